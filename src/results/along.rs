@@ -58,7 +58,7 @@ impl AlongRequest {
         let count: f64 = lines.iter().map(|line| line.length_m() / self.spacing_m).sum();
         if count > MOST_POINTS {
             let what = format!("{} m would give {:.0} million receivers", self.spacing_m, count / 1e6);
-            return Err(Error::argument("spacing", what, "give a wider one, or shorter lines"));
+            return Err(Error::argument("spacing", what, "give a wider spacing, or shorter lines"));
         }
         let scene = Scene::load_site(site)?;
         scene.report.tell(observer);
@@ -72,8 +72,8 @@ impl AlongRequest {
         let (mut points, mut names) = (Vec::new(), BTreeSet::new());
         for line in all {
             if !names.insert(line.name.clone()) {
-                let what = format!("`{}` is the name of a line, and of another on the way back", line.name);
-                return Err(Error::input(&self.lines, None, what, "give one of them another name"));
+                let what = format!("`{}` names two lines: one of the file, and the way back of another", line.name);
+                return Err(Error::input(&self.lines, None, what, "rename one of the two lines"));
             }
             for (number, TravelPoint { at, ahead }) in (1..).zip(line.points(self.spacing_m)) {
                 let ground = || siting.ground_below(at.at.extend(highest_m + 1.0)).map(|below| below.z);

@@ -16,9 +16,8 @@ use heliotile_core::site::material::Material;
 use heliotile_scene::line_of_offset;
 
 /// Hint that says what a file of bands may hold.
-const KEYS: &str = "give tables [[band]] with a `name`, the shares `sun` and `sky` (0 to 1) and, if they are not those for all light, the band \
-                    whose reflectances count as `optics` (uv, visible, par or nir); `partition = true` above them says that they are all of the \
-                    light";
+const KEYS: &str = "give tables [[band]] with a `name` and the shares `sun` and `sky` (0 to 1); `optics` (uv, visible, par or nir) \
+                    selects the reflectances, by default those of all light; `partition = true` above the tables states that the shares add up to 1";
 
 /// Allowed distance from 1 of the sum of a partition's shares: a share is stated to four digits.
 const PARTITION_SLACK: f64 = 0.002;
@@ -38,7 +37,7 @@ impl BandChoice {
     pub fn described() -> String {
         let names: Vec<&str> = Band::ALL.into_iter().map(Band::name).collect();
         format!(
-            "Light by band, in further columns: some of {}, as in visible,par; or a file of bands of your own that ends with .toml",
+            "Further columns with light by band: some of {}, as in visible,par; or a .toml file of your own bands",
             names.join(", ")
         )
     }
@@ -56,11 +55,11 @@ impl BandChoice {
         }
         let twice = (1..own.len()).find(|&i| own.iter().take(i).any(|other| other.name == own[i].name));
         if let Some(name) = twice.and_then(|i| own.get(i)).map(|band| &band.name) {
-            let what = format!("`{name}` is the name of two bands");
+            let what = format!("two bands are named `{name}`");
             return Err(Error::argument("bands", what, "give each band a name of its own, and each file once"));
         }
         if own.len() > Component::OWN.len() {
-            let what = "bands of files".to_owned();
+            let what = "the number of bands of files".to_owned();
             return Err(Error::Limit { what, value: own.len() as u64, max: Component::OWN.len() as u64 });
         }
         let mut list = BandList::of(&self.bands);
@@ -77,17 +76,17 @@ impl FromStr for BandChoice {
         let mut choice = BandChoice::default();
         for part in text.split(',').map(str::trim) {
             match Band::of_name(part) {
-                Some(band) if choice.bands.contains(&band) => return Err(format!("`{part}` stands there twice")),
+                Some(band) if choice.bands.contains(&band) => return Err(format!("`{part}` is given twice")),
                 Some(band) => choice.bands.push(band),
                 None if part.ends_with(".toml") && choice.files.iter().any(|file| file == Path::new(part)) => {
-                    return Err(format!("`{part}` stands there twice"));
+                    return Err(format!("`{part}` is given twice"));
                 }
                 None if part.ends_with(".toml") => choice.files.push(part.into()),
                 None => {
                     let names: Vec<&str> = Band::ALL.into_iter().map(Band::name).collect();
                     let names = names.join(", ");
                     return Err(format!(
-                        "`{part}` is no band: name some of {names}, or a file of bands that ends with .toml"
+                        "`{part}` is not a known band: give some of {names}, or a .toml file of bands"
                     ));
                 }
             }
@@ -137,7 +136,7 @@ impl BandList {
         let stated = site.materials().iter().filter(|material| !material.bands.is_empty());
         if stated.clone().next().is_none() {
             return Ok(vec![format!(
-                "{}: no material states values by band, so each reflects in all bands alike, and bands differ by their shares of sun and sky only",
+                "{}: no material has values by band: materials reflect alike in all bands, and bands differ only by their shares of sun and sky",
                 site.path().display()
             )]);
         }
@@ -147,7 +146,8 @@ impl BandList {
             let more = if found.len() > NAMED { ", ..." } else { "" };
             let names = found.iter().take(NAMED).map(String::as_str).collect::<Vec<_>>().join(", ");
             (!found.is_empty()).then(|| format!(
-                "what materials reflect in {} follows from their other values and is no share of the light; the nearest is taken: {names}{more}",
+                "values of materials in {} that follow from their other values are not from 0 to 1; the nearest possible value is used: \
+                 {names}{more}",
                 band.name()
             ))
         };
@@ -187,7 +187,7 @@ fn own_bands(path: &Path, text: &str) -> Result<Vec<OwnBand>> {
         let is_word = name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
         if name.is_empty() || !is_word || Band::of_name(name).is_some() || all.iter().any(|other| other.name == *name) {
             return refuse(format!(
-                "`{name}` is no name of a band of one's own: small letters, digits and _, none of the program's bands, none twice"
+                "`{name}` cannot name a band: use lowercase letters, digits and _, no name of a built-in band and no name twice"
             ));
         }
         if let Some((key, value)) =
@@ -199,7 +199,7 @@ fn own_bands(path: &Path, text: &str) -> Result<Vec<OwnBand>> {
             None => None,
             Some(of) => match Band::of_name(of) {
                 Some(band) => Some(band),
-                None => return refuse(format!("`optics` of band `{name}` is `{of}`, which is no band")),
+                None => return refuse(format!("`optics` of band `{name}` is `{of}`, which is not a known band")),
             },
         };
         all.push(OwnBand { name: name.clone(), shares: SourceScale { sun: *sun, sky: *sky }, optics });
@@ -213,7 +213,7 @@ fn own_bands(path: &Path, text: &str) -> Result<Vec<OwnBand>> {
     ];
     match sums.into_iter().find(|(_, sum)| file.partition && (sum - 1.0).abs() > PARTITION_SLACK) {
         Some((key, sum)) => {
-            Err(refuse(None, format!("is a partition, and its shares `{key}` add up to {sum:.4}, not to 1")))
+            Err(refuse(None, format!("states `partition = true`, but the shares `{key}` add up to {sum:.4}, not to 1")))
         }
         None => Ok(all),
     }
@@ -226,7 +226,7 @@ mod tests {
     /// Two names and a file are read and give 6 columns; 5 of 5 wrong lists are refused with a
     /// message that names the mistake.
     #[test]
-    fn choices() {
+    fn wrong_lists_of_bands_are_refused() {
         let choice: BandChoice = "visible, par,own.toml".parse().expect("bands");
         let text = "partition = true\n[[band]]\nname = \"half\"\nsun = 0.5\nsky = 0.5\n[[band]]\nname = \"rest\"\nsun = 0.5\nsky = 0.5\noptics = \"nir\"";
         let list = choice.read(&|_| Ok(text.into())).expect("a file");
@@ -234,11 +234,11 @@ mod tests {
         assert_eq!(list.own_names(), ["total_half", "total_rest"]);
         assert_eq!(list.own.iter().map(|band| band.optics).collect::<Vec<_>>(), [None, Some(Band::Nir)]);
         for (text, says) in [
-            ("visible,red", "`red` is no band: name some of uv, visible, par, nir"),
-            ("par,par", "`par` stands there twice"),
-            ("a.toml,a.toml", "`a.toml` stands there twice"),
-            ("", "`` is no band"),
-            ("visible,", "`` is no band"),
+            ("visible,red", "`red` is not a known band: give some of uv, visible, par, nir"),
+            ("par,par", "`par` is given twice"),
+            ("a.toml,a.toml", "`a.toml` is given twice"),
+            ("", "`` is not a known band"),
+            ("visible,", "`` is not a known band"),
         ] {
             assert!(text.parse::<BandChoice>().expect_err(text).contains(says), "{text}");
         }
@@ -247,18 +247,18 @@ mod tests {
     /// Ten wrong files are refused with a message that names the mistake, eight of them with the
     /// line; nine bands are one too many.
     #[test]
-    fn wrong_files() {
+    fn wrong_files_of_bands_are_refused_with_their_line() {
         let read = |text: &str| own_bands(Path::new("own.toml"), text);
         let band = |lines: &str| format!("\n[[band]]\n{lines}\n");
         for (text, says) in [
             (band("name = \"a\"\nsun = 1.2\nsky = 0.1"), "own.toml, line 2: `sun` of band `a` is 1.2, not a share"),
             (band("name = \"a\"\nsun = 0.2\nsky = nan"), "line 2: `sky` of band `a` is NaN"),
-            (band("name = \"par\"\nsun = 0.2\nsky = 0.1"), "line 2: `par` is no name of a band of one's own"),
-            (band("name = \"A b\"\nsun = 0.2\nsky = 0.1"), "line 2: `A b` is no name"),
+            (band("name = \"par\"\nsun = 0.2\nsky = 0.1"), "line 2: `par` cannot name a band"),
+            (band("name = \"A b\"\nsun = 0.2\nsky = 0.1"), "line 2: `A b` cannot name a band"),
             (band("name = \"a\"\nsun = 0.2"), "missing field `sky`"),
-            (band("name = \"a\"\nsun = 0.2\nsky = 0.2\noptics = \"red\""), "`red`, which is no band"),
+            (band("name = \"a\"\nsun = 0.2\nsky = 0.2\noptics = \"red\""), "`red`, which is not a known band"),
             (band("name = \"a\"\nsun = 0.2\nsky = 0.2\nshare = 1"), "line 6: unknown field `share`"),
-            (band("name = \"a\"\nsun = 0.2\nsky = 0.2").repeat(2), "line 7: `a` is no name"),
+            (band("name = \"a\"\nsun = 0.2\nsky = 0.2").repeat(2), "line 7: `a` cannot name a band"),
             (
                 format!("partition = true{}", band("name = \"a\"\nsun = 0.2\nsky = 1")),
                 "`sun` add up to 0.2000, not to 1",

@@ -57,7 +57,7 @@ impl BuildingsRequest {
             check_table(output, inputs)?;
         }
         if self.faces.as_deref() == Some(self.output.as_path()) {
-            let what = "is the table of buildings too";
+            let what = "is the table of faces and the table of buildings";
             return Err(Error::input(&self.output, None, what, "give the table of faces a name of its own"));
         }
         Ok(())
@@ -71,7 +71,7 @@ impl BuildingsRequest {
             series.conditions.iter().filter_map(|condition| condition.stamp).map(|stamp| stamp.hours).sum();
         if hours > MORE_THAN_A_YEAR_H {
             observer.warn(&format!(
-                "{}: sums are over its {hours} hours, and {{threshold}} {} is compared with them: cadastres tell of a year",
+                "{}: sums are over all {hours} hours, more than a year, and {{threshold}} {} is compared with them",
                 series.source.display(),
                 self.threshold_kwh_m2
             ));
@@ -90,7 +90,7 @@ impl BuildingsRequest {
         })?;
         if cadastre.vague() > 0 {
             observer.warn(&format!(
-                "{} of {}: nobody says how their receivers touch, each counts as one region (receivers that cover a scene have patches)",
+                "{} of {}: the receivers have no patches, so each face counts as one region (receivers that cover a scene have patches)",
                 counted(cadastre.vague() as u64, "roof face"),
                 shown(place).display()
             ));

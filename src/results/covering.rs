@@ -228,12 +228,12 @@ pub fn cover_scene(
     drop(progress);
     let covered = PlacedReceivers { surfaces, faces, chosen, small, inner, beside };
     if within.is_none() && !asked.may_be_none && covered.count(Placement::Free) == 0 {
-        let what = format!("no receiver: {}", summary(&covered, scene));
+        let what = format!("no receiver is left: {}", summary(&covered, scene));
         let hint = match (covered.chosen.is_empty(), covered.count(Placement::Inside)) {
             (true, _) => {
                 "lower {min_area}, cover other surfaces with {on}, or see with `{command:info}` whether the scene is in metres"
             }
-            (_, 0) => "cover other surfaces with {on}: these all touch one another, or the ground",
+            (_, 0) => "cover other surfaces with {on}: all of the chosen ones touch another surface, or the ground",
             _ => {
                 "see where the parts of the scene lie (`{command:info}` of each): one may be below the terrain, or in another unit"
             }
@@ -248,7 +248,7 @@ pub fn doubts(soup: &Soup, surfaces: &Surfaces) -> Vec<String> {
     let mut found = Vec::new();
     if surfaces.contrary_edges > 0 {
         found.push(format!(
-            "two faces of an object are turned against each other at {}: receivers may be on the wrong side",
+            "neighbouring faces of one object have opposite orientations at {}: receivers may be on the wrong side",
             counted(surfaces.contrary_edges as u64, "edge")
         ));
     }
@@ -271,7 +271,7 @@ pub fn doubts(soup: &Soup, surfaces: &Surfaces) -> Vec<String> {
 fn too_many(density: Density, points: f64, area_m2: f64, of: impl Fn(Density) -> f64) -> Error {
     let area = if area_m2 < 1e6 { format!("{area_m2:.0} m2") } else { format!("{:.1} km2", area_m2 / 1e6) };
     let limit = format!("on {area} of surfaces, and the limit is {:.0} million", MOST_POINTS / 1e6);
-    let unit = "; if the area is too large, the unit is not the metre: {scale} 0.001 for millimetres";
+    let unit = "; if the area looks too large, state the unit of the scene, as in {scale} 0.001 for millimetres";
     let spacing_m = match density {
         Density::Spacing(metres) => metres,
         Density::PerSurface(count) => {
@@ -349,7 +349,7 @@ impl Wanted {
                 (_, None, Some(material)) => wanted.materials.push(material as u16),
                 (_, None, None) if is_part => wanted.missing = true,
                 (_, None, None) => {
-                    let what = format!("there is no kind of surface and no material `{name}`");
+                    let what = format!("`{name}` is neither a kind of surface nor a material of the scene");
                     return Err(Error::argument("on", what, choice(materials, surfaces)));
                 }
             }
@@ -419,12 +419,9 @@ fn choice(materials: &[Material], surfaces: &Surfaces) -> String {
     let types: BTreeSet<&str> = surfaces.objects.iter().map(|(_, note)| note.object_type.as_str()).collect();
     let types: Vec<&str> = types.into_iter().filter(|name| !name.is_empty()).take(20).collect();
     let names: Vec<&str> = materials.iter().take(20).map(|material| material.name.as_str()).collect();
-    let types = if types.is_empty() {
-        String::new()
-    } else {
-        format!("types of objects ({{types}}) are {}; ", types.join(", "))
-    };
-    format!("there are surfaces of {}; {types}materials are {}", kinds.join(", "), names.join(", "))
+    let types =
+        if types.is_empty() { String::new() } else { format!("types of objects ({{types}}) {}; ", types.join(", ")) };
+    format!("the scene has: surfaces of {}; {types}materials {}", kinds.join(", "), names.join(", "))
 }
 
 /// Refuses a name that does not end with `.csv`, so that a table replaces no other kind of file.
@@ -433,7 +430,7 @@ pub fn check_name(path: &Path) -> Result<()> {
     if is_csv || path.exists() && !path.is_file() {
         return Ok(());
     }
-    let what = "is no name of this table, which is CSV: it ends with .csv";
+    let what = "does not end with .csv, and this table is CSV";
     Err(Error::input(path, None, what, format!("name it {}", path.with_extension("csv").display())))
 }
 

@@ -34,7 +34,9 @@ pub fn no_longwave(columns: &ComponentList) -> Result<()> {
 fn left_out(archive: &Archive, weather: Option<&Path>) -> Option<String> {
     let known = archive.manifest().negligible.as_ref()?;
     let other = weather.and_then(Path::file_name).is_none_or(|name| *name != *known.weather);
-    other.then(|| format!("{} leaves out {known}; here they may bring more", archive.path().display()))
+    other.then(|| {
+        format!("{} leaves out {known}; in this calculation they may contribute more", archive.path().display())
+    })
 }
 
 /// Returns warnings about an archive that hold for any request: it is a preview, or it leaves out
@@ -66,8 +68,7 @@ pub fn mean_ground(archive: &Archive, changes: &Changes) -> Result<Option<String
         return Ok(None);
     }
     Ok(Some(format!(
-        "`{}` reflects another share each month, and conditions have no date: the mean of the year counts, {} (or \
-         {{reflectance}} ground=...)",
+        "`{}` has monthly reflectances, and conditions have no date: the mean of the year is used, {} ({{reflectance}} ground=... sets another)",
         ground.material,
         rounded(ground.mean())
     )))
@@ -88,8 +89,8 @@ pub fn dated_rows(
         None => DatedRows::of_file(&intervals, file, span)?,
     };
     let labels = match every {
-        Every::Hour => "times have these years",
-        Every::Day | Every::Month => "days and months have no year",
+        Every::Hour => "times show these years",
+        Every::Day | Every::Month => "days and months show no year",
         Every::Year | Every::Total => return Ok((dated, None)),
     };
     if dated.years != Years::Typical {
@@ -98,7 +99,7 @@ pub fn dated_rows(
     let years = || dated.dates.iter().map(|date| date.year);
     let (first, last) = (years().min().unwrap_or_default(), years().max().unwrap_or_default());
     let note = format!(
-        "{}: its months come from different years, {first} to {last}, and {labels}; {{year}}, as in {{year}} 2019, puts them into one",
+        "{}: its months come from different years, {first} to {last}, and {labels}; {{year}} 2019 would date all of them in 2019",
         file.display()
     );
     Ok((dated, Some(note)))

@@ -67,8 +67,8 @@ pub fn black_below_horizon(archive: &Archive) -> Result<Option<String>> {
     let percent = 100.0 * share;
     Ok((share >= LEAST).then(|| {
         format!(
-            "{who} see nothing in {percent:.1} % of their hemisphere: below the horizon nothing reflects there (more terrain, or an \
-             [endless_ground] in {{materials}})"
+            "{who} see no surface in {percent:.1} % of their hemisphere, below the horizon: nothing reflects there (add terrain, or an \
+             [endless_ground] to {{materials}})"
         )
     }))
 }

@@ -82,14 +82,14 @@ impl PlacesRequest {
     pub fn write(&self, stream: &TileStream, archives: Archives, place: &Path) -> Result<PlacesSummary> {
         let candidates = self.candidates(stream)?;
         if candidates.is_empty() {
-            let what = "holds no receiver with a patch on the surfaces that are asked for";
-            let hint = "build it with receivers that cover a scene, or ask for others with {on}";
+            let what = "has no receiver with a patch on the chosen surfaces";
+            let hint = "build it with receivers that cover a scene, or choose other surfaces with {on}";
             return Err(Error::input(place, None, what, hint));
         }
         let best = best_places(&candidates, self.module_m, self.best);
         if best.len() < self.best {
             stream.resources.observer.warn(&format!(
-                "{} of {} x {} m found, where {} were asked for: middles are places of receivers, which may be too far apart ({{spacing}})",
+                "{} of {} x {} m found instead of {}: each has its middle at a receiver, and receivers may be too far apart ({{spacing}})",
                 counted(best.len() as u64, "place"),
                 self.module_m[0],
                 self.module_m[1],

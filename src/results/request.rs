@@ -166,11 +166,11 @@ impl ReplayRequest {
         self.light.sky_files.check(self.light.sky)?;
         if self.steps.is_some_and(|steps| !(1..=MOST_STEPS).contains(&steps)) {
             let what = format!("is not from 1 to {MOST_STEPS}");
-            return Err(Error::argument("steps", what, "leave it out for those of the archive"));
+            return Err(Error::argument("steps", what, "leave it out to use the value of the archive"));
         }
         if !self.light.is_longwave() && !self.temperatures.is_empty() {
-            let hint = "ask for it with {columns} total,longwave, or leave it out";
-            return Err(Error::argument("temperature", "no column depends on it", hint));
+            let hint = "give {columns} total,longwave, or leave it out";
+            return Err(Error::argument("temperature", "no column depends on temperatures", hint));
         }
         Ok(())
     }
@@ -209,7 +209,7 @@ impl ReplayRequest {
         let odd = of_archive(archives.first(), Some(&self.weather));
         apart.iter().chain(&odd).for_each(|text| observer.warn(text));
         if self.light.is_by_humidity() && weather.air.iter().all(|air| air.dew_point_c.is_none()) {
-            observer.note("the weather states no dew point: lux are those of air with 2 cm of precipitable water");
+            observer.note("the weather has no dew point: lux are calculated for air with 2 cm of precipitable water");
         }
         self.light.tell_bands(archives, observer)
     }

@@ -25,7 +25,7 @@ use heliotile_scene::Scene;
 use heliotile_scene::request::SceneRequest;
 
 /// Hint for a folder that holds other results.
-pub const KEEP_OR_REPLACE: &str = "{output} FOLDER to keep both, or {replace} to put the new ones in their place";
+pub const KEEP_OR_REPLACE: &str = "give {output} FOLDER to keep both, or {replace} to replace the old results";
 
 /// Hints of a command for a folder that holds files of other inputs.
 pub struct WaysOut {
@@ -39,7 +39,7 @@ impl WaysOut {
     /// Hints of commands with an output option.
     pub const USUAL: WaysOut = WaysOut {
         results: KEEP_OR_REPLACE,
-        started: "give the command that it was started with to go on with it, {replace} to discard it, or {output} FOLDER",
+        started: "repeat the command that started it to continue, or give {replace} to discard it, or {output} FOLDER to keep it",
     };
 }
 
@@ -225,7 +225,7 @@ fn archive_of(
         others.push("the place of the scene has changed since site.helio was built".to_owned());
     }
     if archive.manifest().settings.tracing != settings.stated().tracing {
-        others.push("site.helio was traced by another release of heliotile, which gives other light".to_owned());
+        others.push("site.helio was traced by another release of heliotile, whose light differs".to_owned());
     }
     if let Some(difference) = receivers.difference(&archive)? {
         others.push(format!("the table of receivers now {difference}"));
@@ -251,7 +251,7 @@ fn other_accuracy(archive: &Archive, settings: &BuildSettings, asked: &AccuracyR
     let accuracy = manifest.accuracy.as_ref();
     let there = match accuracy {
         Some(accuracy) => format!("{{error}} {}%", accuracy.target_percent),
-        None if manifest.settings.quality.is_empty() => "settings of its own".to_owned(),
+        None if manifest.settings.quality.is_empty() => "custom settings".to_owned(),
         None => format!("{{quality}} {}", manifest.settings.quality),
     };
     let wanted = match asked.error_percent {
@@ -328,8 +328,7 @@ impl PlannedReceivers {
                 (a, b) if a == b => {}
                 _ => {
                     return Ok(vec![format!(
-                        "receivers.csv is another one from line {line} on (other surfaces or spacing, or it was edited: \
-                         {{receivers}} takes it as it is)"
+                        "receivers.csv differs from line {line} on (other surfaces or spacing, or it was edited: {{receivers}} uses it as it is)"
                     )]);
                 }
             }

@@ -55,7 +55,7 @@ impl PageRequest {
             let after = open_after(&archive, with, self.access, observer)?;
             page = page.with_after(&shown(with), hold(with)?.as_ref())?;
             if !page.holds_after() {
-                let what = "does not fit into the 50 MB of a page: it is opened there by hand, with `Compare with`";
+                let what = "does not fit into the 50 MB of a page: open it there with `Compare with`";
                 observer.warn(&format!("{} {what}", after.path().display()));
             }
         }
@@ -70,7 +70,10 @@ impl PageRequest {
             }
         }
         if !page.holds_archive() {
-            observer.warn(&format!("{} is larger than 50 MB: the page asks for it", archive.path().display()));
+            observer.warn(&format!(
+                "{} is larger than 50 MB: the page does not contain it, and asks for it when opened",
+                archive.path().display()
+            ));
         }
         page.write(&self.output)
     }

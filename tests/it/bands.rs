@@ -309,8 +309,7 @@ fn wrong_bands_are_refused_and_doubtful_ones_noted() {
     let folder = built(roof, "[roof]\ndiffuse = { solar = 0.2, visible = 0.9 }\n", "up,0,0,1,0,0,1\n");
     let said = stderr(&folder.run(&format!("{QUERY} --bands nir")));
     assert!(
-        said.contains("reflect in nir follows from their other values")
-            && said.contains("`roof`: `diffuse` would be -0."),
+        said.contains("in nir that follow from their other values") && said.contains("`roof`: `diffuse` would be -0."),
         "{said}"
     );
     let said = stderr(&folder.run(&format!("{QUERY} --bands visible")));
@@ -318,12 +317,12 @@ fn wrong_bands_are_refused_and_doubtful_ones_noted() {
     folder.write("plain.toml", "[roof]\ndiffuse = 0.2\n");
     run(&folder, "build own.obj --materials plain.toml --receivers own.csv --no-ground -o plain.helio");
     let said = stderr(&folder.run("query plain.helio --conditions u.csv --bands visible"));
-    assert!(said.contains("no material states values by band"), "{said}");
+    assert!(said.contains("no material has values by band"), "{said}");
     folder.write("much.toml", "[[band]]\nname = \"a\"\nsun = 1.5\nsky = 0.5\n");
     folder.write("part.toml", "partition = true\n[[band]]\nname = \"a\"\nsun = 0.5\nsky = 0.5\n");
     for (bands, parts) in [
-        ("visible,red", ["`red` is no band", "uv, visible, par, nir"]),
-        ("par,par", ["`par` stands there twice", "--bands"]),
+        ("visible,red", ["`red` is not a known band", "uv, visible, par, nir"]),
+        ("par,par", ["`par` is given twice", "--bands"]),
         ("none.toml", ["none.toml", "No such file"]),
         ("much.toml", ["much.toml, line 1", "`sun` of band `a` is 1.5"]),
         ("part.toml", ["part.toml", "add up to 0.5000, not to 1"]),
@@ -333,7 +332,7 @@ fn wrong_bands_are_refused_and_doubtful_ones_noted() {
     folder.refused(&format!("{QUERY},total_red"), &["`total_red` is not a known column"]);
     let weather = golden().display().to_string();
     let honeybee = format!("replay site.helio --weather {weather} --bands par --honeybee out");
-    folder.refused(&honeybee, &["results of Honeybee are `total`"]);
+    folder.refused(&honeybee, &["Honeybee results holds only `total`"]);
     folder.write("wrong.toml", "[roof]\ndiffuse = { visible = 0.9 }\n");
     let build = "build own.obj --materials wrong.toml --receivers own.csv --no-ground -o wrong.helio";
     folder.refused(build, &["wrong.toml, line 2", "none for all light"]);

@@ -164,7 +164,7 @@ fn wrong_thresholds_and_archives_are_refused() {
         ("--threshold many", &["--threshold", "a number of 0 or more"]),
         ("--min-area -3", &["--min-area", "a number of 0 or more"]),
         ("-o b.xlsx", &["b.xlsx", ".parquet, .arrow"]),
-        ("-o b.csv --faces b.csv", &["b.csv: is the table of buildings too"]),
+        ("-o b.csv --faces b.csv", &["b.csv: is the table of faces and the table of buildings"]),
     ] {
         folder.refused(&buildings(rest), parts);
         assert!(!folder.path("b.csv").exists());
@@ -204,7 +204,7 @@ fn places_are_those_of_the_brightest_receivers() {
     assert!(before > 0.9 * brightest, "{before} of {brightest}");
 
     let done = folder.run(&format!("{asked} --best 1000 --module 9x9"));
-    assert!(stderr(&done).contains("where 1000 were asked for") && done.status.code() == Some(0), "{}", stderr(&done));
+    assert!(stderr(&done).contains("found instead of 1000") && done.status.code() == Some(0), "{}", stderr(&done));
     let model = Path::new(crate::ROOT).join("tests/data/cityjson/hague.city.json");
     let pv =
         format!("pv {} -w {} --points p.csv --no-hourly --quality draft -o out", model.display(), golden().display());

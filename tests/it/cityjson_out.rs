@@ -233,7 +233,7 @@ fn models_of_other_archives_are_refused() {
         ("--model own.city.json -o own.city.json", &["is also an input"]),
         ("--model own.city.json -o o.csv", &["o.csv", ".city.json"]),
         ("--model own.city.json", &["--output", ".city.json"]),
-        ("--model own.city.json -o o.city.jsonl", &["let it end with .city.json"]),
+        ("--model own.city.json -o o.city.jsonl", &["give a name that ends with .city.json"]),
         ("-o o.city.json", &["--model"]),
         ("--model own.city.json --by object -o o.city.json", &["--by"]),
     ] {
@@ -244,5 +244,5 @@ fn models_of_other_archives_are_refused() {
     folder.refused(&format!("{hourly} --model {hague} -o o.city.json"), &["--every month, year or total"]);
     let written = folder.run(&format!("{replay} --model some.city.json -o o.city.json"));
     assert_eq!(written.status.code(), Some(0), "{}", stderr(&written));
-    assert!(stderr(&written).contains("what it does not hold is not written"), "{}", stderr(&written));
+    assert!(stderr(&written).contains("sums of the others are not written"), "{}", stderr(&written));
 }

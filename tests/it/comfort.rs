@@ -309,8 +309,8 @@ fn wrong_questions_are_refused() {
         (format!("comfort plain.obj {place} --points low.csv -w {weather}"), "lies below the ground"),
         (format!("comfort plain.obj {place} --points p.csv -w {weather} --film 0"), "is 0 W/m2K"),
         (format!("comfort plain.obj {place} --on roof -w {weather}"), "roof"),
-        (format!("comfort plain.obj {place} --points p.csv -w {weather} --emissivity wall=0.9"), "no class"),
-        (format!("comfort plain.obj {place} --points p.csv -w {weather} --wind 9"), "factor of wind"),
+        (format!("comfort plain.obj {place} --points p.csv -w {weather} --emissivity wall=0.9"), "is not a class"),
+        (format!("comfort plain.obj {place} --points p.csv -w {weather} --wind 9"), "the wind factor 9"),
         (format!("comfort plain.obj {place} --points p.csv -w {weather} --plot year.svg"), ".png"),
     ] {
         folder.refused(&arguments, &[said]);

@@ -210,7 +210,7 @@ fn receivers_are_matched_by_place_or_name() {
     run(&folder, "build after.obj -m materials.toml -r receivers.csv -o after.helio");
     let options = "--conditions conditions.csv --summary summary.csv --unmatched unmatched.csv -o change.csv";
     let said = run(&folder, &format!("compare before.helio after.helio {options}"));
-    for part in ["3 receivers of both, 1 of them moved", "1 only before: b", "1 only after: e"] {
+    for part in ["3 receivers in both, 1 of them moved", "1 only before: b", "1 only after: e"] {
         assert!(said.contains(part), "{part}: {said}");
     }
     let read = |name: &str| fs::read_to_string(folder.path(name)).expect("a table");
@@ -240,7 +240,7 @@ fn every_format_holds_the_change() {
     let expected = |name: &str, column: &str| number(&table[&["total".into(), name.into()]], column);
     for ending in ["csv", "parquet", "arrow", "feather", "npy", "npz", "glb", "fgb", "geojson", "vtu", "ply", "pvd"] {
         let said = write(&format!("-o change.{ending}"));
-        assert!(said.contains("80 receivers of both"), "{ending}: {said}");
+        assert!(said.contains("80 receivers in both"), "{ending}: {said}");
         assert!(fs::metadata(folder.path(&format!("change.{ending}"))).is_ok_and(|file| file.len() > 200), "{ending}");
     }
     let columns = ["before_total_kwh_m2", "after_total_kwh_m2", "change_total_kwh_m2", "change_total_percent"];
@@ -335,6 +335,6 @@ fn other_settings_are_named() {
     run(&folder, "build after.obj -m materials.toml -r receivers.csv --set probe=32 -o after.helio");
     let output = folder.run("compare before.helio after.helio --conditions conditions.csv");
     let message = stderr(&output);
-    assert!(message.contains("built with other settings") && message.contains("probe 16 and 32"), "{message}");
+    assert!(message.contains("built with different settings") && message.contains("probe 16 and 32"), "{message}");
     assert_eq!(stdout(&output).lines().count(), 1 + 2);
 }

@@ -344,7 +344,11 @@ fn extensions_choose_formats_and_wrong_ones_fail() {
     assert!(calendar.contains(">pane</text>") && calendar.matches("<rect").count() > 500, "{calendar}");
     run(&folder, "glare bare.helio -o bare.csv");
     let judged = folder.run("sunlight dry.helio --rule lai -o -");
-    assert!(judged.status.success() && stderr(&judged).contains("rules about that are met"), "{}", stderr(&judged));
+    assert!(
+        judged.status.success() && stderr(&judged).contains("rules about sun in mirrors are met"),
+        "{}",
+        stderr(&judged)
+    );
     folder.write(
         "own.toml",
         "[[rule]]\nname = \"own\"\nmeasure = \"glare_minutes\"\nat_most = 10\nleast_angle_deg = 5\n",
@@ -395,7 +399,7 @@ fn drivers_stand_5_m_apart_and_look_ahead() {
     folder.write("twice.csv", "line,x,y\na,0,0\na,9,0\na-back,0,1\na-back,9,1\n");
     for (arguments, says) in [
         ("--along far.csv", "no ground below line `far`"),
-        ("--along twice.csv --both-ways", "`a-back` is the name of a line"),
+        ("--along twice.csv --both-ways", "`a-back` names two lines"),
         ("--along road.csv --on wall", "--on"),
         ("--eye-height 2m", "--along"),
     ] {

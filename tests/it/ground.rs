@@ -117,9 +117,9 @@ fn ground_reflectance_follows_months_and_snow() {
     assert!(std::fs::read(folder.path("m.helio")).expect("repaired") == whole);
 
     let bare = run("build m.idf --no-ground -r r.csv -o bare.helio");
-    assert!(stderr(&bare).contains("walls see nothing in 50.0 % of their hemisphere"), "{}", stderr(&bare));
-    assert!(stdout(&run("info bare.helio")).contains("horizon     walls see nothing in 50.0 %"));
-    assert!(!stdout(&run("info m.helio")).contains("see nothing"));
+    assert!(stderr(&bare).contains("walls see no surface in 50.0 % of their hemisphere"), "{}", stderr(&bare));
+    assert!(stdout(&run("info bare.helio")).contains("horizon     walls see no surface in 50.0 %"));
+    assert!(!stdout(&run("info m.helio")).contains("see no surface"));
     let mut bytes = std::fs::read(folder.path("bare.helio")).expect("an archive");
     let middle = bytes.len() / 2;
     bytes[middle] ^= 1;

@@ -100,7 +100,7 @@ fn wrong_honeybee_requests_leave_no_file() {
     let arrays = fs::read_dir(folder.path("kinds/__static_apertures__/default/total")).expect("arrays").count();
     assert!(arrays >= 2 && !folder.path("kinds/__static_apertures__/default/direct").exists(), "{arrays}");
     for (rest, parts) in [
-        ("--honeybee kinds", &["kinds: is there and not empty", "a folder of their own"][..]),
+        ("--honeybee kinds", &["kinds: exists and is not empty", "give another folder"][..]),
         ("--honeybee new --every month", &["--every", "hours"]),
         ("--honeybee new --columns sky_direct", &["--columns", "total, sun_direct"]),
         ("--honeybee new -o x.csv", &["--honeybee", "--output"]),

@@ -52,7 +52,7 @@ fn results_of_other_inputs_are_kept() {
         folder.refused(arguments, &[&to_do, parts].concat());
         assert!(bytes(&made) == before, "{arguments}");
     };
-    refused(&RUN.replace("5m", "4m"), &["receivers.csv is another one", "the table of receivers now holds"]);
+    refused(&RUN.replace("5m", "4m"), &["receivers.csv differs from line", "the table of receivers now holds"]);
     refused(&RUN.replace("draft", "fine"), &["site.helio was built with --quality draft, not --quality fine\n"]);
     refused(&format!("{RUN} --set hit=64"), &["not --quality draft and hit=64"]);
     folder.write("b.obj", &houses(false).replace("v -99 -99 1", "v -98 -99 1"));
@@ -60,7 +60,7 @@ fn results_of_other_inputs_are_kept() {
     let table = fs::read_to_string(made.join("receivers.csv")).expect("a table");
     let edited: String = table.lines().take(9).map(|line| format!("{line}\n")).collect();
     fs::write(made.join("receivers.csv"), &edited).expect("written");
-    folder.refused(RUN, &["receivers.csv is another one from line 10 on", "--receivers takes it as it is"]);
+    folder.refused(RUN, &["receivers.csv differs from line 10 on", "--receivers uses it as it is"]);
     assert_eq!(fs::read_to_string(made.join("receivers.csv")).ok().as_deref(), Some(edited.as_str()));
 
     let (said, _) = good(&folder, &format!("{} --replace", RUN.replace("5m", "4m")));
@@ -93,12 +93,12 @@ fn weather_is_kept_apart() {
     assert!(bytes(&made.join("golden")) == first);
 
     let (_, said) = good(&folder, &format!("{} --replace", RUN.replace("5m", "4m")));
-    assert!(said.contains("results of an earlier archive are in a.sun/pvgis"), "{said}");
+    assert!(said.contains("results in a.sun/pvgis are of an earlier archive"), "{said}");
     fs::remove_file(made.join("pvgis/made-from.json")).expect("removed");
     let pvgis = RUN.replace("golden.epw", "pvgis.epw").replace("5m", "4m");
-    folder.refused(&pvgis, &["pvgis/annual.csv: is there, and nothing (made-from.json) says what it was made from"]);
+    folder.refused(&pvgis, &["pvgis/annual.csv: exists, and no made-from.json states what it was made from"]);
     fs::write(made.join("pvgis/made-from.json"), "{\"weather\": 7}").expect("written");
-    folder.refused(&pvgis, &["made-from.json, line 1: is not what heliotile wrote"]);
+    folder.refused(&pvgis, &["made-from.json, line 1: was not written by heliotile"]);
 }
 
 /// `run --every month,day` writes the rows of `replay`: the shortest period to the byte, longer
@@ -241,7 +241,7 @@ fn output_extensions_are_checked_first() {
     folder.refused("extract none.helio --surface a -o m.csv", &["name it m.helio"]);
     folder.refused("merge none.helio none.helio -o m.zip", &["name it m.helio"]);
     folder.refused("repair none.helio scene.obj -o m.bin", &["name it m.helio"]);
-    folder.refused("receivers none.obj -o m.xlsx", &["which is CSV", "name it m.csv"]);
+    folder.refused("receivers none.obj -o m.xlsx", &["this table is CSV", "name it m.csv"]);
     folder.refused("receivers none.obj --buried m.txt", &["name it m.csv"]);
     folder.refused("query none.helio -c conditions.csv -o m.xlsx", &["m.xlsx", ".parquet"]);
     folder.refused("replay none.helio -w none.epw -o no/such/m.csv", &["mkdir -p no/such"]);
@@ -356,7 +356,7 @@ fn a_refused_spacing_comes_with_one_that_fits() {
         &["--per-surface"],
     );
     let none = "receivers a.obj --on wall --min-area 1000 -o x.csv";
-    folder.refused(none, &["no receiver: ", "lower --min-area"]);
+    folder.refused(none, &["no receiver is left: ", "lower --min-area"]);
     assert!(!folder.path("x.csv").exists());
 }
 

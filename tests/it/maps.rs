@@ -347,9 +347,10 @@ fn wrong_maps_are_refused_and_leave_no_file() {
     folder.write("receivers.csv", rows);
     assert_eq!(folder.build().status.code(), Some(0));
     let total = format!("{replay} --every total");
-    folder.refused(&format!("{total} -o map.geojson"), &["GeoJSON has latitudes", "--crs 28992"]);
-    folder.refused(&format!("{replay} -o map.fgb"), &["72 columns of each component", "--every total", ".pvd"]);
-    folder.refused(&format!("{total} --geo -o map.csv"), &["--geo", "`map.csv` is no map", ".parquet"]);
+    folder.refused(&format!("{total} -o map.geojson"), &["GeoJSON needs latitudes", "--crs 28992"]);
+    folder.refused(&format!("{replay} -o map.fgb"), &["72 columns for each component", "--every total", ".pvd"]);
+    folder
+        .refused(&format!("{total} --geo -o map.csv"), &["--geo", "`map.csv` does not end with .parquet", ".parquet"]);
     let endings =
         [".csv", ".parquet", ".arrow", ".feather", ".npy", ".npz", ".glb", ".fgb", ".geojson", ".vtu", ".pvd"];
     folder.refused(&format!("{total} -o map.gpkg"), &endings);

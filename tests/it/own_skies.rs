@@ -121,7 +121,7 @@ fn a_matrix_gives_the_same_light_on_other_patches() {
     };
     folder.write("sun.mtx", &format!("{head}\n\n{}", body.lines().map(brighter).collect::<String>()));
     let output = folder.run(&command("--sky sun.mtx"));
-    assert!(output.status.success() && stderr(&output).contains("they seem to hold the sun"), "{}", stderr(&output));
+    assert!(output.status.success() && stderr(&output).contains("they seem to contain the sun"), "{}", stderr(&output));
     assert!(stderr(&output).contains("gendaymtx -s"), "{}", stderr(&output));
 }
 
@@ -295,11 +295,11 @@ fn bad_sky_files_are_refused() {
     let query = "query open.helio --conditions one.csv";
     for (more, parts) in [
         ("--sky wide.png", ["wide.png", "4 x 3 pixels are not a square", "crop it"]),
-        ("--sky sky.png --sky-scale given", ["sky.png", "levels of a PNG are no radiances", "--sky-white"]),
+        ("--sky sky.png --sky-scale given", ["sky.png", "levels of a PNG are not radiances", "--sky-white"]),
         ("--clouds thick.csv", ["thick.csv, line 2", "patch 1 is `1.5`", "from 0 to 1"]),
         ("--sky holes.csv", ["holes.csv, line 2", "patch 1 is `NaN`", "0 or more"]),
         ("--sky perez1990 --clouds sky.png", ["--sky", "`perez1990` adds light at the sun", "choose another sky"]),
-        ("--sky-scale dhi", ["--sky-scale", "the sky is a model", "name a file with --sky"]),
+        ("--sky-scale dhi", ["--sky-scale", "the sky is a model", "give a file with --sky"]),
         ("--sky missing.mtx", ["missing.mtx", "", ""]),
     ] {
         folder.refused(&format!("{query} {more}"), &parts);

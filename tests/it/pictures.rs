@@ -259,8 +259,8 @@ fn what_cannot_be_drawn_is_refused() {
     for (rest, parts) in [
         ("--plot x.jpg", &["ending of a picture", "`x.jpg`", ".png for a map, .svg for a chart"][..]),
         ("--plot x", &["ending of a picture"]),
-        ("--every total --plot x.svg", &["chart through time", "--every month"]),
-        ("--every hour --plot x.png", &["one value a place, not 72", "--every month or total"]),
+        ("--every total --plot x.svg", &["chart over time", "--every month"]),
+        ("--every hour --plot x.png", &["one value for each place, not 72", "--every month or total"]),
         ("--every total -o x.png", &["pictures, with --plot: .png, .svg"]),
         ("--every total --plot x.png --plot x.png", &["written twice"]),
         ("--every total --plot no/x.png", &["no/x.png", "mkdir -p no"]),

@@ -250,7 +250,7 @@ fn wrong_ground_inputs_are_refused() {
         (
             "area = [[12, -20], [15, -20], [15, -11], [28, -11], [28, -20], [29, -20], [29, -10], [12, -10]]",
             "ground = 1000",
-            &["the rows `a`: no place on the ground lies free"],
+            &["the rows `a`: their area has no free place on the ground"],
         ),
     ] {
         folder.write("rows.toml", &rows(area, more));

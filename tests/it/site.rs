@@ -99,11 +99,11 @@ fn wrong_requests_are_refused_with_possible_values() {
     for (arguments, part) in [
         (
             "a.obj --on door",
-            "there are surfaces of roof (2), wall (8), ground (1), floor (2); materials are brick, grass",
+            "the scene has: surfaces of roof (2), wall (8), ground (1), floor (2); materials brick, grass",
         ),
         ("a.obj --on window", "the scene has no surface of window"),
         ("a.obj --spacing 2ft", "is not a length"),
-        ("a.obj --on floor", "no receiver: 0 receivers on 2 surfaces"),
+        ("a.obj --on floor", "no receiver is left: 0 receivers on 2 surfaces"),
         ("a.obj b.abc", "ends with .abc"),
     ] {
         let output = folder.run(&format!("receivers -o out.csv {arguments}"));
@@ -112,7 +112,7 @@ fn wrong_requests_are_refused_with_possible_values() {
         assert!(!folder.path("out.csv").exists());
     }
     let output = folder.run("receivers a.obj -o a.obj");
-    assert!(stderr(&output).contains("which is CSV: it ends with .csv"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("does not end with .csv, and this table is CSV"), "{}", stderr(&output));
 }
 
 pub fn names(folder: &Path) -> Vec<String> {

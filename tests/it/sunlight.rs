@@ -415,7 +415,7 @@ fn months_hold_the_sums_of_their_days() {
     run(&folder, &format!("{ask} 03-21 --by surface -o s.parquet"));
     for ending in ["arrow", "npz", "npy", "geojson", "glb", "ply", "vtu"] {
         let output = folder.run(&format!("{ask} 03-21 -o s.{ending}"));
-        let is_refused = ending == "geojson" && stderr(&output).contains("GeoJSON has latitudes");
+        let is_refused = ending == "geojson" && stderr(&output).contains("GeoJSON needs latitudes");
         assert!(output.status.code() == Some(0) || is_refused, "{ending}: {}", stderr(&output));
     }
 }
@@ -433,9 +433,9 @@ fn wrong_sunlight_requests_are_refused() {
     folder.write("undated.toml", "[[rule]]\nname = \"own\"\nat_least = 60\n");
     folder.write("broken.toml", "[[rule]]\nname = \"own\"\nat_least = \"two hours\"\n");
     for (arguments, says) in [
-        ("s.helio", "nothing to look at"),
-        ("s.helio --dates 03-32", "no day"),
-        ("s.helio --dates 03-21 --zone Utopia", "no time zone"),
+        ("s.helio", "neither dates nor a rule"),
+        ("s.helio --dates 03-32", "is not a day"),
+        ("s.helio --dates 03-21 --zone Utopia", "is not a time zone"),
         ("s.helio --rule undated.toml", "has no dates"),
         ("s.helio --rule broken.toml", "broken.toml, line 3"),
         ("s.helio --rule missing.toml", "missing.toml"),

@@ -77,7 +77,7 @@ fn a_typical_year_is_put_into_one_year_on_request() {
     assert_eq!((labels(&months, "roof")[11].as_str(), said.as_str()), ("2019-12", ""));
     let (words, said) = replay("--every month");
     assert_eq!((labels(&words, "roof")[11].as_str(), values(&words)), ("12", values(&months)));
-    assert!(said.contains("days and months have no year"), "{said}");
+    assert!(said.contains("days and months show no year"), "{said}");
     assert_eq!(replay("--every total").1, "");
     let (day, _) = replay("--year 2019 --from 2019-07-04 --to 2019-07-04");
     assert_eq!((labels(&day, "roof").len(), labels(&day, "roof")[0].as_str()), (24, "2019-07-04T00:00-07:00"));

@@ -190,7 +190,7 @@ fn a_storey_is_added() {
     town.fresh("high");
     for (file, height) in [("up.helio", "+3m"), ("to.helio", "10m")] {
         let said = town.done(&format!("update before.helio --height house={height} -o {file}"));
-        assert!(said.contains(" receivers stay, ") && said.contains(" new"), "{said}");
+        assert!(said.contains(" receivers kept, ") && said.contains(" new"), "{said}");
         assert_eq!(town.scene_hash(file), town.scene_hash("high.helio"));
         assert!(town.rows(file) == town.rows("high.helio"), "{said}");
     }
@@ -227,7 +227,7 @@ fn a_tower_takes_sun_from_what_is_behind_it() {
 fn swallowed_receivers_are_left_out_and_counted() {
     let town = Town::new();
     let said = town.done("update before.helio --move shed=15,0.5,0 -v -o inside.helio");
-    assert!(said.contains("receivers would be inside something or covered now: left out"), "{said}");
+    assert!(said.contains("receivers left out: the edits put them inside an object, or cover them"), "{said}");
     assert!(said.contains("shed/"), "{said}");
     let said = town.done("update before.helio --move shed=0,0,0 -o same.helio");
     assert!(said.contains("the edits change nothing"), "{said}");

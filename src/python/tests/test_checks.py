@@ -205,7 +205,7 @@ def test_sunlight(site: heliotile.Archive, tmp_path: Path) -> None:
     judged = site.sunlight(tmp_path / "rules.parquet", rules=["tno-light", "bre-vsc"], zone="Europe/Amsterdam", weather=YEAR)
     assert [rule["rule"] for rule in judged["rules"]] == ["tno-light", "bre-vsc"]
     assert all(rule["met"] + rule["broken"] + rule["close"] + rule["not_asked"] == site.count for rule in judged["rules"])
-    with pytest.raises(heliotile.ArgumentError, match="no day"):
+    with pytest.raises(heliotile.ArgumentError, match="is not a day"):
         site.sunlight(tmp_path / "x.csv", "03-32")
 
 

@@ -113,14 +113,14 @@ def test_weather(site: heliotile.Archive) -> None:
     [
         ({"every": "week"}, "every: `week` is not a known value\n  to fix: give one of hour, day, month, year, total"),
         ({"columns": ["sun"]}, "columns: .*`?sun`?"),
-        ({"bands": ["visible", "red"]}, "bands: `red` is no band: name some of uv, visible, par, nir"),
+        ({"bands": ["visible", "red"]}, "bands: `red` is not a known band: give some of uv, visible, par, nir"),
         ({"bands": "own.toml"}, "No such file"),
         ({"sky": "blue"}, "sky: "),
         ({"sky": Path("no.mtx")}, "No such file"),
         ({"sky_scale": "half"}, "sky_scale: `half` is not a known value\n  to fix: give one of dhi, given"),
-        ({"sky_scale": "dhi"}, "sky_scale: the sky is a model, not a file\n  to fix: name a file with sky"),
+        ({"sky_scale": "dhi"}, "sky_scale: the sky is a model, not a file\n  to fix: give a file with sky"),
         ({"sky": "sky.hdr", "sky_white": 0.0}, "sky_white: is above 0, not 0"),
-        ({"image_top": 45.0}, "image_top: there is no photograph"),
+        ({"image_top": 45.0}, "image_top: no photograph"),
         ({"sky": "perez1990", "clouds": "c.png"}, "sky: `perez1990` adds light at the sun"),
         ({"paths": "roads"}, "paths: "),
         ({"bounces": 0}, "bounces: is 0"),
@@ -132,7 +132,7 @@ def test_weather(site: heliotile.Archive) -> None:
         ({"reflectance": {"roses": 0.5}}, "there is no group and no material `roses`"),
         ({"transmittance": {"wall": 0.5}}, "is not a canopy"),
         ({"snow": "deep"}, "snow: `deep` is not a known value"),
-        ({"temperature": {"ground": 10.0}}, "no column depends on it"),
+        ({"temperature": {"ground": 10.0}}, "no column depends on temperatures"),
         ({"receivers": ["nobody"]}, "does not hold 1 receiver: nobody"),
         ({"receivers": []}, "the list is empty"),
         ({"receivers": Path("no.csv")}, "No such file"),
@@ -202,7 +202,7 @@ def test_names_of_files(scene: heliotile.Scene, site: heliotile.Archive, tmp_pat
     mine.write_bytes(Path(site.path).read_bytes())
     receivers = DATA / "hague" / "receivers.csv"
     for output in (mine, tmp_path / "r.parquet"):
-        with pytest.raises(heliotile.InputError, match="it ends with .csv"):
+        with pytest.raises(heliotile.InputError, match="does not end with .csv"):
             scene.cover(output)
     with pytest.raises(heliotile.InputError, match="it ends with .helio"):
         heliotile.build(scene, receivers, tmp_path / "site.csv")

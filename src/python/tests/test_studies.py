@@ -123,7 +123,7 @@ def test_a_comparison_is_the_programs(site: heliotile.Archive, tmp_path: Path) -
     assert found.values.shape == (39, 1, 4) and not found["change_total_kwh_m2"].any()
     assert [row.split(",")[1] for row in rows(tmp_path / "program.csv")[1:]] == found.places and set(found.places) == set(ids[:39])
     assert rows(tmp_path / "s.csv") == rows(tmp_path / "program-s.csv")
-    assert found.summary[0]["only_before"] == 39 and "39 receivers of both" in found.text
+    assert found.summary[0]["only_before"] == 39 and "39 receivers in both" in found.text
     several = heliotile.compare(site.path, [part, tmp_path / "part.helio"], DAYS)
     assert len(several.summary) == 2 and several.places == []
     with pytest.raises(heliotile.ArgumentError, match="output"):

@@ -69,7 +69,7 @@ def test_bands_are_the_programs(site: heliotile.Archive, tmp_path: Path) -> None
     own.write_text('[[band]]\nname = "half"\nsun = 0.5\nsky = 0.5\n')
     for every in ["hour", "month"]:
         words = ["--weather", DAYS, "--every", every, "--columns", "total", "--bands", f"visible,par,{own}"]
-        with pytest.warns(heliotile.HeliotileWarning, match="no material states values by band"):
+        with pytest.warns(heliotile.HeliotileWarning, match="no material has values by band"):
             results = site.replay(DAYS, every=every, columns=["total"], bands=["visible", "par", own])
         same(results, of_program(tmp_path, "replay", site, *words))
         assert results.columns == ["total", "total_visible", "illuminance", "total_par", "ppfd", "total_half"]
@@ -176,7 +176,7 @@ def test_cover_is_the_programs(tmp_path: Path) -> None:
         assert (tmp_path / "own.csv").read_bytes() == (tmp_path / "p.csv").read_bytes()
     with pytest.raises(heliotile.ArgumentError, match="spacing: is 0"):
         scene.cover(tmp_path / "none.csv", spacing=0)
-    with pytest.raises(heliotile.ArgumentError, match="no kind of surface and no material `rooves`"):
+    with pytest.raises(heliotile.ArgumentError, match="`rooves` is neither a kind of surface nor a material"):
         scene.cover(tmp_path / "none.csv", on="rooves")
     assert not (tmp_path / "none.csv").exists()
 

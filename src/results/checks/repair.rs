@@ -111,8 +111,8 @@ impl RepairRequest {
             &ReusedArchives { earlier: &[archive], before: None },
         )?;
         if done.root != root {
-            let what = "has another root than the archive had: another release wrote that, or receivers were not those of the archive";
-            let hint = "compare the two with `{command:diff}`, and take its name if it is right";
+            let what = "the repaired archive has another root than the original: another release wrote the original, or its receivers were others";
+            let hint = "compare the two with `{command:diff}`; if the repaired one is right, rename it to replace the original";
             return Err(Error::input(&repaired, None, what, hint));
         }
         std::fs::rename(&repaired, output).map_err(Error::io(output, "rename the repaired archive to"))?;

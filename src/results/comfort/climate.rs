@@ -93,6 +93,7 @@ fn winds(request: &ComfortRequest, dates: &[Date], resources: &Resources) -> Res
 
 /// Returns the error for an hour without a required value.
 fn refused(request: &ComfortRequest, missing: MissingAir, label: &str) -> Error {
-    let hint = "fill the column in, leave such rows out with {from} and {to}, or ask for less, as with {columns} mrt; {wind} gives a wind";
+    let hint = "fill in the column, leave such rows out with {from} and {to}, or choose columns that do not need it, such as {columns} \
+                mrt; {wind} gives a wind";
     Error::input(&request.replay.weather, None, missing.in_hour(label), hint)
 }

@@ -108,7 +108,7 @@ mod tests {
     /// Rows of days have three arrays of the UTCI, in this order; rows of hours have one for each
     /// of the six planes, and a column is returned once.
     #[test]
-    fn arrays() {
+    fn hours_have_one_array_for_each_plane() {
         let columns = ComfortColumns::new(&[ComfortColumn::Utci], Every::Day, &[26.0]);
         let names: Vec<String> = columns.quantities().into_iter().map(|one| one.name).collect();
         assert_eq!(names, ["utci_mean_c", "utci_max_c", "utci_above_26_h"]);

@@ -61,8 +61,8 @@ impl ComfortRequest {
     ) -> Result<ComfortDone> {
         let every = self.replay.every;
         if files.by != By::Receiver {
-            let hint = "leave it out: a point is no part of a surface";
-            return Err(Error::argument("by", "rows are about points", hint));
+            let hint = "leave it out: a point belongs to no surface";
+            return Err(Error::argument("by", "comfort is calculated at points", hint));
         }
         let resources = &stream.resources;
         let (set, looks_up) = PersonSet::of(stream, &self.choice, place)?;
@@ -165,7 +165,7 @@ impl PointPass<'_> {
         let hours: Vec<f64> = self.climates.iter().map(|climate| climate.hours).collect();
         let of_point = |point: &PointLight| {
             let views = self.set.views(point.number).ok_or_else(|| {
-                let what = format!("nothing is known of what point `{}` sees", self.set.name(point.number));
+                let what = format!("the view shares of point `{}` are missing", self.set.name(point.number));
                 Error::defect(self.place, "receivers", "views", what)
             })?;
             let numbers = point.light.numbers(&views, self.climates, self.asked, self.model);

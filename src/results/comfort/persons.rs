@@ -124,8 +124,8 @@ fn under_leaves(stream: &TileStream) -> Result<HashMap<String, f64>> {
 }
 
 fn no_persons(place: &Path, what: String) -> Error {
-    let hint = "name the scene in place of the archive, or give receivers of the planes up, down, north, east, south and west: \
-                P, P/down, P/north and so on";
+    let hint = "give the scene instead of the archive, or receivers for the planes up, down, north, east, south and west of each point \
+                P: P, P/down, P/north and so on";
     Error::input(place, None, what, hint)
 }
 

@@ -205,14 +205,11 @@ impl ComfortSiteRequest {
         }
         if inside > 0 {
             let counted = counted(inside, "point");
-            observer.note(&format!(
-                "{counted} of {} would stand inside of things and are left out",
-                stands.len() as u64 + inside
-            ));
+            observer.note(&format!("{counted} of {} left out: inside of objects", stands.len() as u64 + inside));
         }
         if stands.is_empty() {
-            let what = "nobody can stand there: all points lie inside of things";
-            return Err(Error::argument("on", what, "name other surfaces, or give a table of points"));
+            let what = "no point is left: all points lie inside of objects";
+            return Err(Error::argument("on", what, "choose other surfaces, or give a table of points"));
         }
         Ok((scene, stands))
     }

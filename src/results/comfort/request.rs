@@ -132,7 +132,7 @@ impl FromStr for WindChoice {
     fn from_str(text: &str) -> std::result::Result<Self, String> {
         match text.parse::<f64>() {
             Ok(factor) if (0.0..=MOST_WIND_FACTOR).contains(&factor) => Ok(WindChoice::Factor(factor)),
-            Ok(_) => Err(format!("a factor of wind is from 0 to {MOST_WIND_FACTOR}, not {text}")),
+            Ok(_) => Err(format!("the wind factor {text} is not from 0 to {MOST_WIND_FACTOR}")),
             Err(_) if text.is_empty() => Err("give a factor, as 0.7, or a CSV with a column `wind_m_s`".into()),
             Err(_) => Ok(WindChoice::File(text.into())),
         }
@@ -144,10 +144,11 @@ impl FromStr for ClassShare {
 
     fn from_str(text: &str) -> std::result::Result<Self, String> {
         let (name, value) = text.split_once('=').unwrap_or((text, ""));
-        let class = Class::of_name(name)
-            .ok_or_else(|| format!("`{name}` is no class; `ground` and `obstruction` are: as in ground=0.95"))?;
+        let class = Class::of_name(name).ok_or_else(|| {
+            format!("`{name}` is not a class of surfaces: give `ground` or `obstruction`, as in ground=0.95")
+        })?;
         let share = value.parse::<f64>().ok().filter(|share| (0.0..=1.0).contains(share));
-        share.map(|share| ClassShare { class, share }).ok_or_else(|| format!("`{value}` is not from 0 to 1"))
+        share.map(|share| ClassShare { class, share }).ok_or_else(|| format!("`{value}` is not a number from 0 to 1"))
     }
 }
 
@@ -197,21 +198,29 @@ impl ComfortRequest {
         if !(FILMS_W_M2_K[0]..=FILMS_W_M2_K[1]).contains(&choice.film_w_m2_k) {
             let what = format!("is {} W/m2K", choice.film_w_m2_k);
             let hint = format!(
-                "give {} to {}, usual are 10 in calm air and 25 in wind; it holds what surfaces radiate",
+                "give {} to {} W/m2K, usually 10 in calm air and 25 in wind; it includes the radiation of surfaces",
                 FILMS_W_M2_K[0], FILMS_W_M2_K[1]
             );
             return Err(Error::argument("film", what, hint));
         }
         if let Some(wrong) = choice.above_c.iter().find(|celsius| !(-100.0..=100.0).contains(*celsius)) {
-            return Err(Error::argument("above", format!("{wrong} is no UTCI"), "give degrees Celsius, as 26,32,38"));
+            return Err(Error::argument(
+                "above",
+                format!("{wrong} is not from -100 to 100 C"),
+                "give degrees Celsius, as 26,32,38",
+            ));
         }
         if files.model.is_some() || files.honeybee.is_some() {
-            return Err(Error::argument("model, honeybee", "hold irradiance", "write a table or a map of comfort"));
+            return Err(Error::argument(
+                "model, honeybee",
+                "hold irradiance only",
+                "write a table or a map of comfort",
+            ));
         }
         if let Some(chart) =
             files.plots.iter().find(|plot| !plot.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")))
         {
-            let what = format!("`{}` is no picture of a map", chart.display());
+            let what = format!("`{}` does not end with .png, and comfort is drawn only as a map", chart.display());
             return Err(Error::argument("plot", what, "give a name that ends with .png"));
         }
         files.check(None, None, inputs)
@@ -321,7 +330,7 @@ impl NamedValues for Posture {
 
 impl NamedValues for SurfaceTemperatures {
     const VALUES: &'static [(&'static str, &'static str, Self)] = &[
-        ("sol-air", "As warm as light, sky and air make a surface without storage", SurfaceTemperatures::SolAir),
+        ("sol-air", "In balance with light, sky and air, without storage of heat", SurfaceTemperatures::SolAir),
         ("air", "As warm as the air", SurfaceTemperatures::Air),
     ];
 }

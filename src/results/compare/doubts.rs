@@ -42,7 +42,7 @@ pub fn tell(
     if !named.is_empty() {
         let more = if named.len() > NAMED { ", ..." } else { "" };
         observer.warn(&format!(
-            "{} and {} were built with other settings ({}{more}): changes hold what these make of them, too",
+            "{} and {} were built with different settings ({}{more}): changes include the effect of the settings",
             names[0],
             names[1],
             named.iter().take(NAMED).map(String::as_str).collect::<Vec<_>>().join(", ")

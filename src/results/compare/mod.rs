@@ -75,16 +75,20 @@ impl CompareRequest {
             Illumination::Conditions(request) => request.check().map(|()| None)?,
         };
         if self.after.is_empty() {
-            return Err(Error::argument("summary", "there is no archive after to compare", "give one, or several"));
+            return Err(Error::argument(
+                "summary",
+                "no archive of the changed site is given",
+                "give one archive, or several",
+            ));
         }
         if files.model.is_some() || files.honeybee.is_some() {
             let hint = "write a table or a map of the change";
-            return Err(Error::argument("model, honeybee", "hold one archive's results", hint));
+            return Err(Error::argument("model, honeybee", "hold the results of one archive only", hint));
         }
         let has_details = files.output != Path::new("-") || !files.plots.is_empty();
         if self.after.len() > 1 && has_details {
-            let what = format!("hold the change by one archive, and {} are given", self.after.len());
-            let hint = "give one archive after, or {summary} FILE for a row for each of them";
+            let what = format!("hold the change to one archive only, and {} are given", self.after.len());
+            let hint = "give one changed archive, or {summary} FILE for a row for each of them";
             return Err(Error::argument("output, plot", what, hint));
         }
         let inputs: Vec<&Path> = inputs.iter().copied().chain(self.after.iter().map(PathBuf::as_path)).collect();

@@ -129,7 +129,7 @@ impl VariantSummary {
     fn text(&self, summary: &CompareSummary) -> String {
         let moved = if self.moved > 0 { format!(", {} of them moved", self.moved) } else { String::new() };
         let mut text =
-            format!("{} to {}: {} of both{moved}", summary.before, self.name, counted(self.receivers.all, "receiver"));
+            format!("{} to {}: {} in both{moved}", summary.before, self.name, counted(self.receivers.all, "receiver"));
         for ((side, count), named) in ["before", "after"].into_iter().zip(self.only).zip(&self.named) {
             if count > 0 {
                 let more = if count > named.len() as u64 { ", ..." } else { "" };
@@ -146,7 +146,7 @@ impl VariantSummary {
             self.change()
         );
         let heads = LOSSES_PERCENT.map(|percent| format!("{:>9}", format!("{percent} %")));
-        text += &format!("  {:<12}{:>9}{}\n", "lose over", "of", heads.concat());
+        text += &format!("  {:<12}{:>9}{}\n", "loss above", "of", heads.concat());
         for (things, counts) in
             [("receivers", self.receivers), ("windows", self.windows), ("buildings", self.buildings)]
         {

@@ -92,7 +92,7 @@ impl VariantReplay<'_> {
         }
         let matching = ReceiverMatching::of(&before.places, &places);
         if matching.pairs.is_empty() {
-            let what = format!("has none of the {} receivers before", before.places.len());
+            let what = format!("has none of the {} receivers of the archive before", before.places.len());
             let hint = "compare archives of one site: receivers are matched by place and normal, or by name";
             return Err(Error::input(place, None, what, hint));
         }
@@ -175,7 +175,9 @@ pub fn check_memory(receivers: u64, memory: MemoryBudget) -> Result<()> {
     if bytes <= most {
         return Ok(());
     }
-    let what = format!("bytes to match {receivers} receivers (raise {{memory}}, or compare a part with {{bbox}})");
+    let what = format!(
+        "the memory to match {receivers} receivers, in bytes (raise {{memory}}, or compare a part with {{bbox}})"
+    );
     Err(Error::Limit { what, value: bytes, max: most })
 }
 

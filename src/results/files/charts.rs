@@ -52,7 +52,7 @@ impl Plot {
             (Some("svg"), Some(Every::Hour)) => Ok(Plot::Hours),
             (Some("svg"), Some(Every::Total)) => Err(Error::argument(
                 "plot",
-                format!("`{}` is a chart through time, and {{every}} total has one sum", path.display()),
+                format!("`{}` is a chart over time, and {{every}} total gives only one sum", path.display()),
                 "give {every} month (bars) or hour (hours of the day by month), or a name that ends with .png for a map",
             )),
             (Some("svg"), _) => Ok(Plot::Bars),
@@ -75,11 +75,12 @@ impl Plot {
                         None => "give {conditions} with one line, or a name that ends with .svg for bars",
                         Some(_) => "give {every} month or total, or a name that ends with .svg for a chart",
                     };
-                    let what = format!("`{}` is a map, which shows one value a place, not {count}", path.display());
+                    let what =
+                        format!("`{}` is a map, which shows one value for each place, not {count}", path.display());
                     Err(Error::argument("plot", what, hint))
                 }
                 Plot::Bars if count > MOST_BARS => {
-                    let what = "bars of a chart (take fewer with {from} and {to}, or a longer {every})";
+                    let what = "the number of bars of a chart (choose fewer with {from} and {to}, or a longer {every})";
                     Err(Error::Limit { what: what.into(), value: count as u64, max: MOST_BARS as u64 })
                 }
                 _ => Ok((path.as_path(), plot)),

@@ -19,23 +19,27 @@ use heliotile_core::text::counted;
 use heliotile_remote::naming::shown;
 use heliotile_scene::input;
 
-const HINT: &str = "give the city model that the receivers were put on, as it was read then";
+const HINT: &str = "give the city model from which the receivers were made, unchanged";
 
 /// Refuses requests that a city model cannot hold, before anything is read.
 pub fn check(request: &FileRequest, every: Option<Every>, model: &Path) -> Result<()> {
     let output = &request.output;
     if !is_city_model(output) || is_sequence(output) != is_sequence(model) {
         let ending = if is_sequence(model) { ".city.jsonl" } else { ".city.json" };
-        let what = format!("`{}` is no name of such a city model", output.display());
-        return Err(Error::argument("output", what, format!("let it end with {ending}, as {{model}} asks for")));
+        let what = format!("`{}` does not have the format of {{model}}", output.display());
+        return Err(Error::argument("output", what, format!("give a name that ends with {ending}")));
     }
     if matches!(every, Some(Every::Hour | Every::Day)) {
         let hint = "give {every} month, year or total";
-        return Err(Error::argument("every", "a city model takes sums of few periods, not hours or days", hint));
+        return Err(Error::argument(
+            "every",
+            "a city model holds sums of months, years or the total, not of hours or days",
+            hint,
+        ));
     }
     if request.by != By::Receiver {
-        let hint = "leave {by} out: objects and their semantic surfaces both get sums";
-        return Err(Error::argument("by", "a city model has its own rows", hint));
+        let hint = "leave {by} out: objects and semantic surfaces both get sums";
+        return Err(Error::argument("by", "a city model has rows of its own: objects and surfaces", hint));
     }
     Ok(())
 }
@@ -61,7 +65,7 @@ impl<'a> CityModelSink<'a> {
     /// Reads the model; `finish` writes it to `output` with the sums of the stream.
     pub fn new(stream: &TileStream<'a>, model: &Path, output: &Path, place: &Path) -> Result<Self> {
         let text = String::from_utf8(input::read(model)?).map_err(|error| {
-            Error::input(model, None, format!("is no text in UTF-8: {error}"), "give a CityJSON file, or convert it")
+            Error::input(model, None, format!("is not text in UTF-8: {error}"), "give a CityJSON file, or convert it")
         })?;
         let labels = &stream.series.labels.text;
         let every = stream.series.every;
@@ -83,7 +87,7 @@ impl<'a> CityModelSink<'a> {
         let (model, sums) = (self.model.as_path(), &self.sums);
         let Some(example) = sums.example() else {
             let what = format!("none of its {} names a city object", counted(self.count, "receiver"));
-            let hint = "put receivers on the city model: those of a table need not belong to it";
+            let hint = "make receivers from the city model: receivers of a table need not name its objects";
             return Err(Error::input(&self.place, None, what, hint));
         };
         let about = about.json();
@@ -95,9 +99,12 @@ impl<'a> CityModelSink<'a> {
             let about = (line == 1).then_some(&about);
             let written = writer.write(text, about, &mut sink).and_then(|()| Ok(sink.write_all(b"\n")?));
             written.map_err(|error| match error {
-                RewriteError::Model(what) => {
-                    Error::input(model, is_sequence(model).then_some(line), format!("is no city model: {what}"), HINT)
-                }
+                RewriteError::Model(what) => Error::input(
+                    model,
+                    is_sequence(model).then_some(line),
+                    format!("is not a city model: {what}"),
+                    HINT,
+                ),
                 RewriteError::Write(source) => failed(&self.output, source),
             })
         })?;
@@ -110,8 +117,7 @@ impl<'a> CityModelSink<'a> {
         }
         if fitting.objects < objects || fitting.faces < faces {
             observer.warn(&format!(
-                "{}: holds {} of {objects} objects and {} of {faces} faces that receivers of {} stand for; what it does not hold is \
-                 not written",
+                "{}: contains {} of {objects} objects and {} of {faces} faces that have receivers in {}; sums of the others are not written",
                 model.display(),
                 fitting.objects,
                 fitting.faces,
@@ -119,7 +125,7 @@ impl<'a> CityModelSink<'a> {
             ));
         }
         if sums.homeless() > 0 {
-            observer.warn(&format!("{} on no object: left out", counted(sums.homeless(), "receiver")));
+            observer.warn(&format!("{} without an object: left out", counted(sums.homeless(), "receiver")));
         }
         sink.finish()?;
         let output = self.output.display();

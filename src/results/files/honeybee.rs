@@ -19,13 +19,17 @@ const COMPONENTS: [Component; 2] = [Component::Total, Component::SunDirect];
 /// Refuses requests that such a folder cannot hold.
 pub fn check(columns: Option<&ComponentList>, every: Option<Every>, folder: &Path) -> Result<()> {
     if every != Some(Every::Hour) {
-        let hint = "leave {every} out: sums are made from the folder's hours";
-        return Err(Error::argument("every", "results of Honeybee are hours", hint));
+        let hint = "leave {every} out: Honeybee makes sums from the hours";
+        return Err(Error::argument("every", "a folder of Honeybee results holds hours only", hint));
     }
     let known = |component: &Component| COMPONENTS.contains(component);
     if columns.is_some_and(|columns| !columns.as_slice().iter().all(known)) {
         let hint = "give total, sun_direct or both";
-        return Err(Error::argument("columns", "results of Honeybee are `total` and `direct`, the sun alone", hint));
+        return Err(Error::argument(
+            "columns",
+            "a folder of Honeybee results holds only `total` and `direct`, the sun alone",
+            hint,
+        ));
     }
     ResultsFolder::check(folder)
 }
@@ -33,8 +37,9 @@ pub fn check(columns: Option<&ComponentList>, every: Option<Every>, folder: &Pat
 /// Writes the folder and returns a line that says so.
 pub fn write(stream: &TileStream, by: By, folder: &Path, about: Provenance) -> Result<String> {
     let series = stream.series;
-    let hours = LitHours::of(&series.conditions)
-        .map_err(|(what, hint)| Error::input(&series.source, None, format!("has {what}, Honeybee has none"), hint))?;
+    let hours = LitHours::of(&series.conditions).map_err(|(what, hint)| {
+        Error::input(&series.source, None, format!("has {what}, which Honeybee cannot read"), hint)
+    })?;
     let grids = Grids::of(stream.receivers.receivers(), by)?;
     let components = stream.light.chosen_columns().map_or(COMPONENTS.to_vec(), |columns| columns.as_slice().to_vec());
     let mut sink = HoneybeeSink {

@@ -72,7 +72,11 @@ impl<'a> MapStart<'a> {
 
     fn request(&self, resources: &Resources<'a>) -> Result<MapRequest<'a>> {
         let [first, others @ ..] = self.receivers.parts() else {
-            return Err(Error::argument("receivers", "there is nothing to draw", "choose some receivers"));
+            return Err(Error::argument(
+                "receivers",
+                "no receiver is selected, so the map would be empty",
+                "choose some receivers",
+            ));
         };
         // The parts of an atlas show their neighbours, so no surroundings are drawn around several.
         let shows = self.format.shows_surroundings() && others.is_empty();
@@ -118,8 +122,7 @@ pub fn say_large(path: &Path, stats: &MapStats, observer: &dyn Observer) {
     let is_geojson = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("geojson"));
     if is_geojson && facts.polygons > MANY_POLYGONS {
         observer.warn(&format!(
-            "{} has {} polygons and {} MB, which browsers and text readers take long for: .fgb (QGIS) and .parquet with {{geo}} (geopandas) \
-             hold the same in less",
+            "{} has {} polygons and {} MB, slow to read for browsers and text readers: .fgb (QGIS) and .parquet with {{geo}} (geopandas) are smaller",
             path.display(),
             facts.polygons,
             bytes.div_ceil(1_000_000)

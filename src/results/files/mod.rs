@@ -74,8 +74,12 @@ impl FileRequest {
             (Some(model), _) => city_model::check(self, every, model),
             (_, Some(folder)) => honeybee::check(columns, every, folder),
             _ if is_city_model(&self.output) => {
-                let hint = "give the city model that the receivers were put on: {model} INPUT.city.json";
-                Err(Error::argument("output", "a city model is written from another one", hint))
+                let hint = "give the city model from which the receivers were made: {model} INPUT.city.json";
+                Err(Error::argument(
+                    "output",
+                    "a city model is written as a copy of another one, and none is given",
+                    hint,
+                ))
             }
             _ => ResultFormat::of(&self.output, self.geo).map(drop),
         }

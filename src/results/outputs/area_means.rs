@@ -74,7 +74,7 @@ mod tests {
     /// Totals of 1 and 4 on 1 and 3 m2 have the mean 3.25. With a third receiver of 2.5 without
     /// area the mean is 2.5: areas no longer count.
     #[test]
-    fn by_area_or_plain() {
+    fn a_receiver_without_area_makes_the_mean_plain() {
         let receiver = |area| Receiver { area, ..Receiver::new("r".into(), DVec3::ZERO, DVec3::Z) };
         let mut means = AreaMeans::new(&[Component::Total], 1);
         for (value, area) in [(1.0, Some(1.0)), (4.0, Some(3.0))] {

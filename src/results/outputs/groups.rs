@@ -106,7 +106,8 @@ impl Groups {
         if let Some((name, some)) = found.iter().find(|(_, s)| s.with_area != 0 && s.with_area != s.receivers) {
             let what =
                 format!("{} `{name}`: {} of {} receivers have an area", by.name(), some.with_area, some.receivers);
-            let hint = "build with an area for each receiver of a group, or for none: they count the same then";
+            let hint =
+                "build with an area for each receiver of a group, or for none: without areas, all count the same";
             return Err(Error::input(file, None, what, hint));
         }
         // Groups were numbered by first appearance; results list them by name.
@@ -158,7 +159,7 @@ impl Groups {
 
     /// Returns the error for a receiver that the groups do not contain.
     fn missing(&self, receiver: usize) -> Error {
-        let what = format!("hold {} receivers, and none of number {receiver}", self.places.len());
+        let what = format!("hold {} receivers, but not number {receiver}", self.places.len());
         Error::defect(&self.file, "receivers", "groups", what)
     }
 
@@ -293,7 +294,7 @@ mod tests {
     /// Surfaces come by name, 2 tiles of receivers become 1 tile of surfaces, a component that is
     /// not requested stays 0, and a fifth receiver is a defect.
     #[test]
-    fn weighted_means() {
+    fn means_of_groups_are_weighted_by_area() {
         let surfaces = surfaces(&[("wall", 1.0), ("lawn", 0.0), ("wall", 3.0), ("lawn", 0.0)]).expect("surfaces");
         assert_eq!(surfaces.names(), ["lawn", "wall"]);
         let mut means = GroupMeans::new(surfaces, &[Component::Total], 2, 32).expect("32 bytes");
@@ -306,7 +307,7 @@ mod tests {
             means.add(&values).expect("known receivers");
         }
         let unknown = means.add(&TileValues::new(1, 2)).expect_err("a fifth receiver").to_string();
-        assert!(unknown.contains("hold 4 receivers, and none of number 4"), "{unknown}");
+        assert!(unknown.contains("hold 4 receivers, but not number 4"), "{unknown}");
         let areas: Vec<Option<f64>> = means.groups().extents.iter().map(|extent| extent.area_m2).collect();
         assert_eq!(areas, [None, Some(4.0)]);
         let tiles: Vec<_> = means.tiles().collect();
@@ -319,7 +320,7 @@ mod tests {
 
     /// 130 surfaces come as tiles of 64, 64 and 2.
     #[test]
-    fn many_surfaces() {
+    fn groups_come_in_tiles_of_64() {
         let names: Vec<String> = (0..130).map(|i| format!("s{i:03}")).collect();
         let receivers: Vec<(&str, f64)> = names.iter().rev().map(|n| (n.as_str(), 2.0)).collect();
         let mut means =
@@ -336,7 +337,7 @@ mod tests {
     /// Receivers without a surface are counted and 3 of them named, a surface with some areas is
     /// named with 1 of 2, and sums of 5 bytes too many are refused with their size.
     #[test]
-    fn refusals() {
+    fn missing_surfaces_and_mixed_areas_are_refused() {
         let text = surfaces(&[("", 0.0); 5]).expect_err("no surfaces").to_string();
         assert!(text.contains("site.helio: 5 receivers have no surface: r0, r1, r2, ..."), "{text}");
         let text = surfaces(&[("a", 0.0), ("b", 1.0), ("b", 0.0)]).expect_err("mixed").to_string();

@@ -201,7 +201,7 @@ mod tests {
     /// Receivers without areas have a plain mean, 550 of 500 and 600, and neither area nor MWh; the
     /// kind of a receiver that faces up is "looking up".
     #[test]
-    fn no_area_no_energy() {
+    fn without_areas_there_is_no_energy() {
         let text =
             by_kind_and_side(&[row("", 0.0, 0.0, None, 500.0), row("", 0.0, 0.0, Some(3.0), 600.0)], North::default());
         let line = text.lines().nth(1).expect("a row");
@@ -211,7 +211,7 @@ mod tests {
 
     /// An azimuth at the border of two sides belongs to the next side: 8 of 8.
     #[test]
-    fn quarters() {
+    fn a_border_azimuth_belongs_to_the_next_side() {
         for (azimuth, expected) in [
             (0.0, "north"),
             (44.9, "north"),

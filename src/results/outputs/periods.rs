@@ -109,10 +109,10 @@ impl Periods {
 impl NamedValues for Every {
     const VALUES: &'static [(&'static str, &'static str, Self)] = &[
         ("hour", "One row per interval of the weather file: means, W/m2", Every::Hour),
-        ("day", "Sums, kWh/m2, as the three below", Every::Day),
+        ("day", "Sums, kWh/m2, like month, year and total", Every::Day),
         ("month", "", Every::Month),
         ("year", "", Every::Year),
-        ("total", "One sum over all that is taken of the file", Every::Total),
+        ("total", "One sum over all chosen rows of the file", Every::Total),
     ];
 }
 
@@ -144,7 +144,7 @@ mod tests {
     /// start, middle or end; the middle of a quarter of an hour is at 07:30 min; sums keep the
     /// start of their period.
     #[test]
-    fn stamps() {
+    fn labels_follow_start_middle_or_end_of_an_hour() {
         let last = series(&[(2019, 12, 31)]);
         for (at, text, utc_s) in [
             (StampedAt::Start, "2019-12-31T23:00+01:00", 1_577_829_600),
@@ -167,7 +167,7 @@ mod tests {
     /// Two days of one year give 2 days, 2 months, 1 year and 1 total, the first three with the
     /// year in the label; days are instants at local midnight.
     #[test]
-    fn one_year() {
+    fn periods_of_one_year_show_the_year() {
         let s = series(&[(2019, 1, 31), (2019, 1, 31), (2019, 2, 1)]);
         let day = periods(Every::Day, &s);
         assert_eq!(day.labels.text, ["2019-01-31", "2019-02-01"]);
@@ -183,7 +183,7 @@ mod tests {
 
     /// A typical year with months of two years is one `year` without years in its labels.
     #[test]
-    fn typical_year() {
+    fn a_typical_year_has_no_year_in_its_labels() {
         let s = series(&[(2007, 1, 1), (2004, 2, 1)]);
         assert_eq!(periods(Every::Day, &s).labels.text, ["01-01", "02-01"]);
         assert_eq!(periods(Every::Month, &s).labels.text, ["01", "02"]);
@@ -194,7 +194,7 @@ mod tests {
     /// One month of a typical year is labelled as in the whole year: `01`, without the year that it
     /// comes from.
     #[test]
-    fn part_of_typical_year() {
+    fn a_month_of_a_typical_year_shows_no_year() {
         let s = series(&[(2007, 1, 1), (2007, 1, 2)]);
         let month = Periods::new(Every::Month, Years::Typical, &s, ClockReading::default());
         assert_eq!(month.labels, RowLabels::words(vec!["01".into()]));
@@ -202,7 +202,7 @@ mod tests {
 
     /// Two Januaries are two months and two years; no rows give no periods.
     #[test]
-    fn several_years() {
+    fn two_januaries_are_two_months_and_two_years() {
         let s = series(&[(2007, 1, 1), (2007, 2, 1), (2008, 1, 1)]);
         assert_eq!(periods(Every::Month, &s).labels.text, ["2007-01", "2007-02", "2008-01"]);
         assert_eq!(periods(Every::Year, &s).labels.text, ["2007", "2008"]);

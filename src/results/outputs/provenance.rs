@@ -129,7 +129,7 @@ pub(crate) mod tests {
     /// Four entries have the prefix, with the options last; in ASCII they have no accents and no
     /// line ends; in JSON the options are an object.
     #[test]
-    fn entries() {
+    fn entries_have_the_prefix_and_options_come_last() {
         let all = example().with_option("steps", 6).entries();
         let names: Vec<&str> = all.iter().map(|(name, _)| name.as_str()).collect();
         assert_eq!(names, ["heliotile.version", "heliotile.command", "heliotile.weather", "heliotile.options"]);
@@ -143,7 +143,7 @@ pub(crate) mod tests {
 
     /// A picture gets one element after its first tag, with 2 of its characters escaped.
     #[test]
-    fn in_a_picture() {
+    fn a_picture_gets_one_escaped_element() {
         let svg = example().in_svg("<svg width=\"1\">\n<path/></svg>\n");
         assert!(
             svg.starts_with("<svg width=\"1\">\n<metadata>{\"heliotile.command\"") && svg.ends_with("<path/></svg>\n")

@@ -162,7 +162,7 @@ mod tests {
     /// Two surfaces of 10 and 4 m2 with totals of 800 and 500 kWh/m2 sum to 8000 and 2000 kWh; the
     /// second faces south at 30 degrees.
     #[test]
-    fn facts() {
+    fn sums_of_surfaces_are_means_times_areas() {
         let components: ComponentList = "total".parse().expect("a name");
         let facts = vec![Fact::Area, Fact::Tilt, Fact::Azimuth, Fact::Sum];
         let layout = Layout { facts, ..Layout::of_components(Labels::Sums, By::Surface, &components) };

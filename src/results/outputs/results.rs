@@ -29,8 +29,8 @@ impl ResultFormat {
             (None, Some(format)) if !geo => Ok(ResultFormat::Table(format)),
             (None, Some(_)) => Err(Error::argument(
                 "geo",
-                format!("`{}` is no map", path.display()),
-                "give it with a name that ends with .parquet",
+                format!("`{}` does not end with .parquet", path.display()),
+                "leave it out, or give a name that ends with .parquet",
             )),
             (None, None) => {
                 let maps: Vec<String> = MapFormat::ENDINGS.iter().map(|(ending, _)| format!(".{ending}")).collect();

@@ -168,7 +168,7 @@ mod tests {
     /// The file does not exist before `finish`; a dropped sink leaves nothing (0 files); a finished
     /// one leaves 1 file.
     #[test]
-    fn nothing_half_written() {
+    fn a_file_appears_only_when_it_is_finished() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("t.csv");
         let count = || std::fs::read_dir(folder.path()).expect("a folder").count();
@@ -185,7 +185,7 @@ mod tests {
 
     /// A missing folder is an error that names the file.
     #[test]
-    fn no_such_folder() {
+    fn a_missing_folder_is_an_error_that_names_the_file() {
         let text = Sink::file(Path::new("/no/such/t.csv")).err().map(|e| e.to_string());
         assert!(text.is_some_and(|t| t.starts_with("cannot create /no/such/t.csv.partial")));
     }

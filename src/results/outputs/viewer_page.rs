@@ -173,7 +173,7 @@ mod tests {
     /// Two archives of 30 MB do not fit together, and none is embedded beside one that is too
     /// large; the second of two small ones stands behind the script: 1 of 3.
     #[test]
-    fn two_archives_fit_together_or_not() {
+    fn archives_of_60_mb_do_not_fit_into_a_page() {
         let page = |sizes: [usize; 2]| {
             let [one, other] = sizes.map(|bytes| vec![7; bytes]);
             let page = ViewerPage::default().with_archive(Path::new("a.helio"), &one).expect("read");

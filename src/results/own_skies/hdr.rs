@@ -74,7 +74,7 @@ pub(super) fn read_hdr(path: &Path, bytes: &[u8]) -> Result<Pixels> {
     let mut levels = Vec::new();
     for row in 0..height {
         let (line, behind) =
-            scanline(body, width).ok_or_else(|| refuse(format!("line {} of {height} is broken", row + 1)))?;
+            scanline(body, width).ok_or_else(|| refuse(format!("row {} of {height} is damaged", row + 1)))?;
         body = behind;
         levels.extend(line.into_iter().map(|pixel| radiance(pixel) / exposure));
     }
@@ -146,7 +146,7 @@ mod tests {
     /// Mantissa 127 with exponent 137 is 255, flat and as runs, and 51 with an exposure of 5;
     /// exponent 0 is black.
     #[test]
-    fn radiances() {
+    fn mantissa_and_exponent_give_the_radiance() {
         let first = |bytes: &[u8]| read_hdr(Path::new("a.hdr"), bytes).expect("a picture").levels;
         assert_eq!(first(&file("", "-Y 1 +X 1", &[127, 127, 127, 137])), [255.0]);
         assert_eq!(first(&file("EXPOSURE=2.5\nEXPOSURE=2\n", "-Y 1 +X 1", &[127, 127, 127, 137])), [51.0]);
@@ -160,7 +160,7 @@ mod tests {
     /// Five broken pictures are errors: another format, a size from below, too few bytes, a run
     /// beyond the line, a side of 9000.
     #[test]
-    fn broken() {
+    fn broken_hdr_pictures_are_errors() {
         for bytes in [
             b"#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\n\x01\x02\x03\x04".to_vec(),
             file("", "+Y 1 +X 1", &[1; 4]),

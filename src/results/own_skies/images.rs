@@ -80,7 +80,7 @@ pub(super) fn read_image(path: &Path, bytes: &[u8], levels: Levels, top_azimuth_
         Levels::Radiances { are_relative, .. } if are_relative || !pixels.are_coded => (1.0, PatchQuantity::Radiance),
         Levels::Radiances { .. } => {
             let hint = "state the radiance of white with {sky_white}, or scale the sky to the diffuse irradiance: {sky_scale} dhi";
-            return Err(Error::input(path, None, "levels of a PNG are no radiances", hint));
+            return Err(Error::input(path, None, "the levels of a PNG are not radiances", hint));
         }
     };
     let numbers = pixels.levels.iter().map(|level| (level * factor) as f32).collect();
@@ -105,7 +105,7 @@ pub(super) fn check_sides(path: &Path, width: usize, height: usize) -> Result<()
     if width.max(height) <= MAX_SIDE {
         return Ok(());
     }
-    let what = format!("{width} x {height} pixels, and {MAX_SIDE} a side are read");
+    let what = format!("the picture has {width} x {height} pixels, and at most {MAX_SIDE} a side are supported");
     Err(Error::input(path, None, what, "scale the picture down"))
 }
 
@@ -203,7 +203,7 @@ mod tests {
     /// Grey 188 of a PNG is 0.5029 as sRGB, 0.7373 with a gAMA of 1 and as a cloud; pure green is
     /// 0.67; white is the stated radiance.
     #[test]
-    fn levels_of_png() {
+    fn levels_of_png_follow_srgb_or_gama() {
         let grey = png_of(png::ColorType::Grayscale, 1, 1, &[188], None);
         let is = |found: Result<f32>, expected: f32| assert!((found.expect("a level") - expected).abs() < 1e-4);
         is(level(&grey, RATIOS), 0.5029);
@@ -218,7 +218,7 @@ mod tests {
     /// Radiances of an EXR file are its floats; NaN and a negative one are refused with the pixel
     /// named.
     #[test]
-    fn levels_of_exr() {
+    fn levels_of_exr_are_its_floats() {
         let file = |level: f32| {
             let mut bytes = Cursor::new(Vec::new());
             let channels = SpecificChannels::rgb(move |_| (level, level, level));
@@ -236,7 +236,7 @@ mod tests {
     /// Six pictures are refused: not square, black, a PNG whose levels count as radiances, half a
     /// PNG, half an EXR file, a JPEG.
     #[test]
-    fn refusals() {
+    fn unusable_pictures_are_refused() {
         let given = Levels::Radiances { white_w_m2_sr: None, are_relative: false };
         let wide = png_of(png::ColorType::Grayscale, 2, 1, &[9, 9], None);
         let grey = png_of(png::ColorType::Grayscale, 1, 1, &[9], None);
@@ -244,7 +244,7 @@ mod tests {
         for (bytes, levels, expected) in [
             (&wide[..], RATIOS, "2 x 1 pixels are not a square"),
             (&black, RATIOS, "the sky is black"),
-            (&grey, given, "levels of a PNG are no radiances"),
+            (&grey, given, "levels of a PNG are not radiances"),
             (&grey[..40], RATIOS, PATH),
             (EXR, RATIOS, PATH),
         ] {

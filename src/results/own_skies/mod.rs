@@ -100,12 +100,12 @@ impl SkyFiles {
             return Err(Error::argument(
                 name,
                 "the sky is a model, not a file",
-                "name a file with {sky}, or leave it out",
+                "give a file with {sky}, or leave it out",
             ));
         }
         if self.image_top_deg.is_some() && self.files().next().is_none() {
-            let what = "there is no photograph of the sky and none of clouds";
-            return Err(Error::argument("image_top", what, "name one with {sky} or {clouds}, or leave it out"));
+            let what = "no photograph of the sky or of clouds is given";
+            return Err(Error::argument("image_top", what, "give one with {sky} or {clouds}, or leave it out"));
         }
         if self.clouds.is_some() && model.brightens() {
             return Err(no_parts());
@@ -233,27 +233,25 @@ fn doubts(path: &Path, kind: SourceKind, scale: SkyScale, balance: &SkyBalance) 
     if kind != SourceKind::Photograph && balance.holds_sun() {
         let of_matrix = if kind == SourceKind::Matrix { " with `gendaymtx -s`" } else { "" };
         found.push(format!(
-            "{file}: its skies give an open plane {:.0} % of the diffuse irradiance of the same rows: they seem to hold the sun, whose light \
-             comes from the direct irradiance as well. Make them{of_matrix} without it",
+            "{file}: its skies give an open plane {:.0} % of the diffuse irradiance of the same rows: they seem to contain the sun, \
+             which would count twice, as the direct irradiance is added. Make them{of_matrix} without the sun",
             100.0 * balance.ratio().unwrap_or_default()
         ));
     } else if let Some(ratio) = balance.ratio().filter(|ratio| scale == SkyScale::Given && !FAIR.contains(ratio)) {
         let of_matrix = match kind {
-            SourceKind::Matrix => {
-                "; gendaymtx gives light of the whole solar spectrum with `-O1`, and by default what the eye sees of it"
-            }
+            SourceKind::Matrix => "; gendaymtx writes solar radiation with `-O1`, and by default only visible light",
             _ => "",
         };
         found.push(format!(
-            "{file}: its skies give an open plane {:.0} % of the diffuse irradiance of the same rows, and count as they are; {{sky_scale}} \
-             dhi scales them{of_matrix}",
+            "{file}: its skies give an open plane {:.0} % of the diffuse irradiance of the same rows, and are used unscaled; \
+             {{sky_scale}} dhi scales them{of_matrix}",
             100.0 * ratio
         ));
     }
     if scale == SkyScale::Dhi && balance.black > 0 {
         let rows = balance.black;
         found.push(format!(
-            "{file}: {rows} of its skies are black where there is diffuse irradiance: it is spread evenly"
+            "{file}: {rows} of its skies are black in rows with diffuse irradiance: a uniform sky is used there"
         ));
     }
     found
@@ -266,7 +264,7 @@ mod tests {
     /// Names are models, names with a dot or a slash are files, and a word that is neither is
     /// refused with the names listed.
     #[test]
-    fn models_and_files() {
+    fn a_name_with_a_dot_or_slash_is_a_file() {
         let read = |text: &str| text.parse::<SkyChoice>();
         assert_eq!(read("uniform").expect("a model"), SkyChoice::Model(SkyModel::Uniform));
         for file in ["sky.mtx", "skies/noon", "c:\\sky.png"] {
@@ -278,7 +276,7 @@ mod tests {
     /// Four choices without effect are refused: a scale, a white and a top without a file, clouds
     /// in front of `perez1990`.
     #[test]
-    fn choices_without_use() {
+    fn choices_without_effect_are_refused() {
         let none = SkyFiles::default();
         let with_sky = SkyFiles { sky: Some("a.csv".into()), ..none.clone() };
         for (files, model) in [

@@ -41,13 +41,12 @@ impl GroundSpot {
             let found = grid.places(OFF_M, below, modules);
             let left_out = found.without_ground + found.in_modules;
             if found.list.is_empty() {
-                let what = format!("the rows `{name}`: no place on the ground lies free in their area");
+                let what = format!("the rows `{name}`: their area has no free place on the ground");
                 return Err(Error::input(file, None, what, "give `ground` a smaller distance, or leave it out"));
             }
             if left_out > 0 {
                 observer.warn(&format!(
-                    "{}: the rows `{name}`: {left_out} of {} places on the ground are left out, below them is nothing, or they lie inside of \
-                     modules",
+                    "{}: the rows `{name}`: {left_out} of {} places on the ground are left out: they have no ground below, or lie inside of modules",
                     file.display(),
                     found.list.len() + left_out
                 ));

@@ -75,7 +75,7 @@ impl<'a> Light<'a> {
     /// Returns notes for readers of times.
     pub fn notes(&self, request: &PvRequest) -> Vec<String> {
         let typical = self.dated.years == Years::Typical && request.hourly;
-        let text = "months of the weather file come from different years, and hours have these years; {year} puts them into one";
+        let text = "months of the weather file come from different years, and hours show these years; {year} 2019 would date all of them in 2019";
         typical.then(|| text.to_owned()).into_iter().collect()
     }
 

@@ -284,7 +284,7 @@ impl PvRequest {
                 Ok(Wanted::Points(points))
             }
             (None, Some(file)) => read_rows(file).map(Wanted::Rows),
-            _ => Err(Error::argument("points, rows", "one of them has to be given", "give a table of points, or rows")),
+            _ => Err(Error::argument("points, rows", "neither is given", "give a table of points, or rows")),
         }
     }
 }

@@ -64,10 +64,8 @@ impl LaidRows {
                 },
             };
             if outline.places(rows.pitch_m) > MOST_PLACES {
-                let what =
-                    format!("the rows `{}`: their area is too wide to look for places of modules in it", rows.name);
-                let hint =
-                    "are its corners metres in the coordinates of the scene? Larger fields take several [[rows]]";
+                let what = format!("the rows `{}`: their area is too wide to search for places of modules", rows.name);
+                let hint = "check that its corners are metres in the coordinates of the scene; split a larger field into several [[rows]]";
                 return Err(Error::input(file, None, what, hint));
             }
             let normal = north.to_axes(rows.turn.normal());
@@ -75,7 +73,12 @@ impl LaidRows {
             let Laid { modules, left_out } = lay(&rows, normal, &outline, below);
             if modules.is_empty() {
                 let what = format!("the rows `{}`: no module fits", rows.name);
-                return Err(Error::input(file, None, what, "a larger area, a smaller setback or another turn"));
+                return Err(Error::input(
+                    file,
+                    None,
+                    what,
+                    "give a larger area, a smaller setback or another orientation",
+                ));
             }
             if modules.len() > MOST_MODULES {
                 let (what, value) = ("the number of modules of rows".into(), modules.len() as u64);
@@ -83,7 +86,7 @@ impl LaidRows {
             }
             if left_out > 0 {
                 observer.warn(&format!(
-                    "{}: the rows `{}`: {left_out} modules are left out, below them is nothing, or something stands through them",
+                    "{}: the rows `{}`: {left_out} modules are left out: they have no ground below, or an object stands through them",
                     file.display(),
                     rows.name
                 ));

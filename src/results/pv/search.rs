@@ -62,7 +62,7 @@ pub fn run(request: &PvRequest, light: &Light, prepared: &PreparedScene, spots: 
     }
     for (search, spot) in searched.iter().zip(&spots.list) {
         if spot.given.is_some_and(|given| !within(&given)) {
-            let what = format!("point `{}` is turned as {{tilts}} or {{azimuths}} do not allow", search.point);
+            let what = format!("point `{}` has an orientation outside of {{tilts}} or {{azimuths}}", search.point);
             light.observer().warn(&what);
         }
     }

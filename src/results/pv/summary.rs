@@ -44,7 +44,7 @@ pub fn table(sides: &[SideSums], searched: &[PointSearch], ground: &SumsOnGround
     if !searched.is_empty() {
         out += &format!(
             "\n{:<20}{:>6}{:>7}{:>10}{:>14}{:>15}{:>20}\n",
-            "best turn of", "tilt", "azim.", "total", "flat loses %", "given loses %", "on an open plain"
+            "best orientation of", "tilt", "azim.", "total", "flat loses %", "given loses %", "on an open plain"
         );
     }
     for search in searched.iter().take(MOST_ROWS) {

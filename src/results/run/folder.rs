@@ -114,8 +114,8 @@ impl RunFiles {
         }
         for folder in [&self.folder, &self.results] {
             if folder.exists() && !folder.is_dir() {
-                let what = "is a file, and the output is a folder";
-                return Err(Error::input(folder, None, what, "give it a name of its own with {output}"));
+                let what = "is a file, but the output is a folder";
+                return Err(Error::input(folder, None, what, "give the folder another name with {output}"));
             }
         }
         Ok(())
@@ -148,7 +148,7 @@ impl RunFiles {
         let stale = self.stale(&now);
         if !stale.is_empty() {
             observer.warn(&format!(
-                "results of an earlier archive are in {}: run them again with their weather and {{replace}}",
+                "results in {} are of an earlier archive: run their weather again with {{replace}}",
                 stale.join(", ")
             ));
         }

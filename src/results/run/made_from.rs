@@ -53,14 +53,14 @@ impl MadeFrom {
             Err(e) if e.kind() == ErrorKind::NotFound => return Ok(None),
             Err(e) => return Err(Error::io(&path, "read")(e)),
             Ok(about) if about.len() > MOST_BYTES || !about.is_file() => {
-                let what = "is not what heliotile wrote";
+                let what = "was not written by heliotile";
                 return Err(Error::input(&path, None, what, "remove it, or give another folder with {output}"));
             }
             Ok(_) => {}
         }
         let bytes = fs::read(&path).map_err(Error::io(&path, "read"))?;
         let read = serde_json::from_slice(&bytes).map_err(|error| {
-            let what = format!("is not what heliotile wrote: {error}");
+            let what = format!("was not written by heliotile: {error}");
             Error::input(&path, error.line(), what, "remove it, or give another folder with {output}")
         });
         read.map(Some)
@@ -79,7 +79,7 @@ impl MadeFrom {
             }
             None => match written.into_iter().find(|file| file.exists()) {
                 Some(file) => {
-                    let what = format!("is there, and nothing ({FILE}) says what it was made from");
+                    let what = format!("exists, and no {FILE} states what it was made from");
                     Err(Error::input(&file, None, what, KEEP_OR_REPLACE))
                 }
                 None => Ok(()),

@@ -32,12 +32,14 @@ impl FromStr for DaySpan {
         let day = |text: &str| {
             let moment: Option<Moment> = text.parse().ok().filter(|moment: &Moment| moment.day_in(0).is_some());
             moment.ok_or_else(|| {
-                format!("`{text}` is no day: give one as 03-21 or 2026-03-21, days from one to another as 02-19..10-21, or year")
+                format!(
+                    "`{text}` is not a day: give a day as 03-21 or 2026-03-21, a span of days as 02-19..10-21, or year"
+                )
             })
         };
         let span = DaySpan { first: day(first)?, last: day(last)? };
         if span.first.has_year() != span.last.has_year() {
-            return Err(format!("`{text}` has a year once: give it for both days, or for none"));
+            return Err(format!("`{text}` has a year for one of its days: give it for both days, or for none"));
         }
         match span.days(Date::NO_YEAR).len() {
             0 => Err(format!("`{text}` ends before it begins, or lasts for more than a hundred years")),
@@ -94,7 +96,7 @@ mod tests {
     /// Spans are a day, the 245 of the Dutch rule, 121 days over the new year and a leap year of
     /// 366; five texts that are no days are refused.
     #[test]
-    fn spans() {
+    fn a_span_over_the_new_year_has_its_days() {
         let days = |text: &str, year| text.parse::<DaySpan>().expect("days").days(year);
         assert_eq!(days("03-21", 2026), [Date { year: 2026, month: 3, day: 21 }]);
         assert_eq!(days("2026-03-21", 2017).first().map(|date| date.year), Some(2026));

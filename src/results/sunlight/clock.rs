@@ -33,7 +33,7 @@ impl FromStr for ClockZone {
             return Ok(ClockZone::Fixed(UtcOffset::of_hours(hours)));
         }
         TimeZone::get(text).map(ClockZone::Named).map_err(|_| {
-            format!("`{text}` is no time zone: give hours ahead of UTC, such as +01:00, or a name of the tz database, such as Europe/Amsterdam")
+            format!("`{text}` is not a time zone: give hours ahead of UTC, such as +01:00, or a name of the tz database, such as Europe/Amsterdam")
         })
     }
 }
@@ -100,7 +100,7 @@ mod tests {
     /// December; Dublin, whose winter is the exception by law, has +00:00; 5.5 hours east the clock
     /// never changes. A town is no zone.
     #[test]
-    fn standard_and_legal_time() {
+    fn legal_time_is_an_hour_ahead_in_summer() {
         for (text, standard, june, december) in [
             ("Europe/Amsterdam", "+01:00", 60.0, 0.0),
             ("Australia/Sydney", "+10:00", 0.0, 60.0),

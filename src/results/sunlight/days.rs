@@ -128,7 +128,7 @@ impl DayPlan {
                 (true, false) => self.numbers(&rule.dates),
             };
             if rule.needs_days() && days.is_empty() {
-                let what = format!("`{}` has no dates, and none are asked for", rule.name);
+                let what = format!("the rule `{}` has no dates, and none are given", rule.name);
                 return Err(Error::argument(
                     "rule, dates",
                     what,
@@ -137,11 +137,12 @@ impl DayPlan {
             }
             let sunny = match (rule.measure, sunny) {
                 (RuleMeasure::ProbablePercent, None) => {
-                    let what = format!("`{}` counts the sunny hours of a weather file, and none is given", rule.name);
+                    let what =
+                        format!("the rule `{}` counts the sunny hours of a weather file, and none is given", rule.name);
                     return Err(Error::argument(
                         "rule, weather",
                         what,
-                        "give {weather}, which {command:sunlight} takes, or leave the rule out",
+                        "give {weather} to {command:sunlight}, or leave the rule out",
                     ));
                 }
                 (RuleMeasure::ProbablePercent, Some(sunny)) => Some(sunny),
@@ -247,7 +248,7 @@ mod tests {
     /// minutes of longitude, 11 of the equation of time). 9 to 15 of summer time is 8 to 14 of
     /// standard time.
     #[test]
-    fn clocks_of_rules() {
+    fn hours_of_rules_follow_the_clock_of_the_rule() {
         let plan = plan("Europe/Amsterdam", 5.0);
         let rules = read_rules(&["gb-50180".into()]).expect("rules");
         let planned = plan.rules(rules, &[], None, 0.0).expect("a plan");
@@ -263,7 +264,7 @@ mod tests {
     /// A rule of probable hours is refused without weather, and a rule without dates if none are
     /// requested; with dates it is planned.
     #[test]
-    fn what_rules_need() {
+    fn rules_without_their_weather_or_dates_are_refused() {
         let plan = plan("+01:00", 5.0);
         let apsh = plan.rules(read_rules(&["bre-apsh".into()]).expect("rules"), &[], None, 0.0);
         assert!(apsh.is_err_and(|error| error.to_string().contains("{weather}")));

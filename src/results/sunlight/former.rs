@@ -42,7 +42,7 @@ impl NamesAfter {
         let (had, has) = (places(before.receivers)?, places(after)?);
         let matching = ReceiverMatching::of(&had, &has);
         if matching.pairs.is_empty() {
-            let what = format!("has none of the {} receivers after", has.len());
+            let what = format!("has none of the {} receivers of the archive after", has.len());
             let hint = "give an archive of the site before: receivers are matched by place and normal, or by name";
             return Err(Error::input(before.place, None, what, hint));
         }
@@ -68,7 +68,7 @@ impl FormerValues {
         let most = resources.memory.share(Use::ReceiverList);
         if bytes > most {
             let what = format!(
-                "bytes for the values of {places} places before (raise {{memory}}, or ask for fewer {{dates}})"
+                "the memory for the values of {places} places before, in bytes (raise {{memory}}, or give fewer {{dates}})"
             );
             return Err(Error::Limit { what, value: bytes, max: most });
         }

@@ -234,7 +234,8 @@ impl SpellRecord {
         self.spells.extend(spells.into_iter().map(|spell| (number, spell)));
         let value = self.spells.len() as u64;
         if value > self.most {
-            let what = "spells of sun in mirrors (raise {memory}, or ask for fewer {dates} or receivers)".to_owned();
+            let what = "the number of spells of sun in mirrors (raise {memory}, or choose fewer {dates} or receivers)"
+                .to_owned();
             return Err(Error::Limit { what, value, max: self.most });
         }
         Ok(())

@@ -194,7 +194,8 @@ pub fn check_middles(asked: &Asked, by: By) -> Result<()> {
     match rules.iter().find(|planned| planned.rule.part == LitPart::Middle) {
         None => Ok(()),
         Some(planned) => {
-            let what = format!("`{}` is about the middle of a surface, which no {} has", planned.rule.name, by.name());
+            let what =
+                format!("the rule `{}` needs the middle of a surface, which no {} has", planned.rule.name, by.name());
             let hint = "give {by} surface or window, or a rule with lit_share or area_share";
             Err(Error::argument("by, rule", what, hint))
         }

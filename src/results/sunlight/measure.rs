@@ -135,7 +135,7 @@ mod tests {
     /// Half of an area reaches the lower value of its better parts of 30 and 20 %, a tenth of it
     /// the value of the best part; six tenths of it do not exceed the middle value.
     #[test]
-    fn verdicts_and_areas() {
+    fn values_within_their_uncertainty_are_close() {
         let value = RuleValue { value: 120.0, low: 119.0, high: 121.0 };
         assert_eq!(
             (

@@ -228,9 +228,9 @@ impl SunlightRequest {
             }
         }
         let path = archives.first().path();
-        let what = "knows of no mirror and no glass, so nothing is thrown at its receivers";
+        let what = "has no mirror and no glass, so no sun is reflected onto its receivers";
         if self.glare.is_none() {
-            resources.observer.note(&format!("{} {what}: rules about that are met", path.display()));
+            resources.observer.note(&format!("{} {what}: rules about sun in mirrors are met", path.display()));
             return Ok(());
         }
         let hint =
@@ -247,14 +247,14 @@ impl SunlightRequest {
         let minutes = texel_deg / DEGREES_A_MINUTE;
         if minutes > 1.0 && !self.exact {
             observer.warn(&format!(
-                "{}: a texel of its sky is {texel_deg:.2} degrees wide, and the sun takes {minutes:.1} minutes to pass it: moments are no better \
-                 (build it with {{quality}} standard, or give {{exact}})",
+                "{}: a texel of its sky is {texel_deg:.2} degrees wide, and the sun takes {minutes:.1} minutes to pass it: times are no \
+                 more exact than that (build it with {{quality}} standard, or give {{exact}})",
                 archives.first().path().display()
             ));
         }
         let has_leaves = archives.iter().any(|archive| !archive.entries_of(format::CANOPY).is_empty());
         if has_leaves {
-            observer.note("leaves and screens take nothing of the sun here");
+            observer.note("hours of sun are calculated without the shade of leaves and screens");
         }
     }
 }
@@ -267,8 +267,8 @@ fn windows_of<'a>(site: &SunlightSite<'a>, by: By) -> Result<Option<ReceiverSet<
     let is_window = site.receivers.receivers().map(|receiver| Ok(receiver?.part.kind == WINDOW));
     let is_window: Vec<bool> = is_window.collect::<Result<_>>()?;
     if !is_window.contains(&true) {
-        let hint = "give {by} surface, or build it of a model with windows";
-        return Err(Error::input(site.place, None, "holds no receiver on a window", hint));
+        let hint = "give {by} surface, or build the archive from a model with windows";
+        return Err(Error::input(site.place, None, "has no receiver on a window", hint));
     }
     Ok(Some(site.receivers.some(&is_window)))
 }

@@ -95,7 +95,7 @@ impl SunlightDone {
                 (count.met, "met"),
                 (count.broken, "broken"),
                 (count.close, "close"),
-                (count.not_asked, "not asked"),
+                (count.not_asked, "not applicable"),
                 (count.newly_broken, "newly broken"),
             ];
             let counts: Vec<String> =
@@ -137,7 +137,7 @@ impl SunlightRequest {
     pub fn check(&self, files: &FileRequest, inputs: &[&Path]) -> Result<()> {
         if self.dates.is_empty() && self.rules.is_empty() {
             let hint = "give {dates} 03-21, or {rule} with a name such as tno-light";
-            return Err(Error::argument("dates, rule", "there is nothing to look at", hint));
+            return Err(Error::argument("dates, rule", "neither dates nor a rule is given", hint));
         }
         for (field, number, most) in
             [("least_altitude", self.least_altitude_deg, 90.0), ("lit_share", self.lit_share, 1.0)]
@@ -152,19 +152,23 @@ impl SunlightRequest {
         if self.every == Every::Hour {
             return Err(Error::argument(
                 "every",
-                "a row of an hour says no sum of sun",
+                "sun is summed over days or longer, not over hours",
                 "give day, month, year or total",
             ));
         }
         if !self.rules.is_empty() && self.every != Every::Day {
-            let hint = "leave it out: rules have days of their own";
-            return Err(Error::argument("every", "is of rows of days, and rules are asked for", hint));
+            let hint = "leave it out: rules define their own days";
+            return Err(Error::argument("every", "applies to days, and rules are given", hint));
         }
         if files.model.is_some() || files.honeybee.is_some() {
-            return Err(Error::argument("model, honeybee", "hold irradiance", "write a table or a map of sunlight"));
+            return Err(Error::argument(
+                "model, honeybee",
+                "hold irradiance only",
+                "write a table or a map of sunlight",
+            ));
         }
         if let Some(chart) = self.calendars(files).next().filter(|_| self.glare.is_none()) {
-            let what = format!("`{}` is no picture of a map", chart.display());
+            let what = format!("`{}` does not end with .png, and sunlight is drawn only as a map", chart.display());
             return Err(Error::argument("plot", what, "give a name that ends with .png"));
         }
         read_rules(&self.rules)?;
@@ -173,7 +177,7 @@ impl SunlightRequest {
             glare.check(&inputs)?;
             let wants_spells = glare.files().next().is_some() || self.calendars(files).next().is_some();
             if wants_spells && !self.rules.is_empty() {
-                let what = "show all suns in mirrors, and rules count by hours and angles of their own";
+                let what = "show all sun in mirrors, and rules count only their own hours and angles";
                 let hint = "leave out {rule}, and give {dates}, {least_deflection} and {view_angle}";
                 return Err(Error::argument("spells, panes, plot", what, hint));
             }
@@ -223,25 +227,28 @@ impl SunlightRequest {
             epsg: None,
         }));
         let Some(place) = place else {
-            let what = "holds no place on Earth, and nothing says where the sun stands";
-            let hint = "build it with {latitude} and {longitude}, or with {crs}; {command:sunlight} takes {weather} for it, too";
+            let what = "has no place on Earth, so the position of the sun is unknown";
+            let hint =
+                "build it with {latitude} and {longitude}, or with {crs}; or give {weather} to {command:sunlight}";
             return Err(Error::input(archives.first().path(), None, what, hint));
         };
         if archives.manifest().place.is_none() {
-            resources
-                .observer
-                .note(&format!("the archive holds no place: the sun is that of the weather file, {place}"));
+            resources.observer.note(&format!(
+                "the archive has no place: the sun is calculated for the place of the weather file, {place}"
+            ));
         }
         let of_weather = weather.as_ref().map(|weather| ClockZone::Fixed(UtcOffset::of_hours(weather.site.zone_hours)));
         let zone = self.zone.clone().or(of_weather).unwrap_or_else(|| {
             let zone = ClockZone::of_longitude(place.longitude_deg);
-            resources.observer.note(&format!("the clock is {zone}, by the longitude; {{zone}} gives another"));
+            resources
+                .observer
+                .note(&format!("times are in the zone {zone}, from the longitude; {{zone}} sets another"));
             zone
         });
         let offset = zone.standard(self.year);
         let offset_h = f64::from(offset.minutes()) / 60.0;
         let site = Location::new(place.latitude_deg, place.longitude_deg, offset_h, 0.0);
-        let site = site.map_err(|what| Error::input(archives.first().path(), None, what, "state another place"))?;
+        let site = site.map_err(|what| Error::input(archives.first().path(), None, what, "give another place"))?;
         // Requested days are used only by rules without days of their own.
         let are_used = rules.is_empty() || rules.iter().any(|rule| rule.needs_days() && rule.dates.is_empty());
         let asked = are_used.then_some(self.dates.as_slice());

@@ -139,9 +139,9 @@ impl RuleMeasure {
 impl NamedValues for DaysTogether {
     const VALUES: &'static [(&'static str, &'static str, Self)] = &[
         ("each", "Each day has to meet the rule", DaysTogether::Each),
-        ("any", "One day has to", DaysTogether::Any),
+        ("any", "At least one day has to meet the rule", DaysTogether::Any),
         ("mean", "The mean of the days counts", DaysTogether::Mean),
-        ("sum", "Their sum counts", DaysTogether::Sum),
+        ("sum", "The sum of the days counts", DaysTogether::Sum),
     ];
 }
 
@@ -151,14 +151,14 @@ impl NamedValues for RuleMeasure {
         ("longest_spell", "The longest spell, minutes", RuleMeasure::LongestSpell),
         ("probable_percent", "Percent of the sunny hours of a weather file", RuleMeasure::ProbablePercent),
         ("vsc_percent", "Vertical sky component, percent", RuleMeasure::VscPercent),
-        ("glare_minutes", "Minutes in which mirrors throw the sun at a place", RuleMeasure::GlareMinutes),
+        ("glare_minutes", "Minutes in which mirrors reflect the sun onto a place", RuleMeasure::GlareMinutes),
     ];
 }
 
 impl NamedValues for RuleClock {
     const VALUES: &'static [(&'static str, &'static str, Self)] = &[
         ("standard", "The zone's standard time", RuleClock::Standard),
-        ("legal", "Its legal time", RuleClock::Legal),
+        ("legal", "The zone's legal time", RuleClock::Legal),
         ("solar", "True solar time", RuleClock::Solar),
     ];
 }
@@ -180,7 +180,7 @@ impl TryFrom<String> for ClockTime {
             let (hours, minutes) = (number(hours)?, number(minutes)?);
             (minutes < 60 && 60 * hours + minutes <= 1440).then(|| ClockTime(f64::from(60 * hours + minutes)))
         };
-        read().ok_or_else(|| format!("`{text}` is no time of a day: give it as \"09:30\""))
+        read().ok_or_else(|| format!("`{text}` is not a time of day: give it as \"09:30\""))
     }
 }
 
@@ -234,7 +234,7 @@ impl TryFrom<StatedRule> for Rule {
         let name = stated.name;
         if name.is_empty() || name.len() > MOST_LETTERS || !name.chars().all(is_plain) {
             return Err(format!(
-                "`{name}` is no name of a rule: give small letters, digits and -, {MOST_LETTERS} at most"
+                "`{name}` cannot name a rule: use lowercase letters, digits and -, {MOST_LETTERS} at most"
             ));
         }
         let is_percent = stated.measure.is_percent();
@@ -257,22 +257,26 @@ impl TryFrom<StatedRule> for Rule {
             }
         }
         if stated.facing_deg.is_some_and(|facing| facing.iter().any(|azimuth| !(0.0..=360.0).contains(azimuth))) {
-            return Err(format!("the rule {name}: facing_deg holds two azimuths from 0 to 360"));
+            return Err(format!("the rule {name}: facing_deg must hold two azimuths from 0 to 360"));
         }
         let threshold = match (stated.at_least, stated.at_most) {
             (Some(least), None) => Threshold::AtLeast(least),
             (None, Some(most)) => Threshold::AtMost(most),
-            _ => return Err(format!("the rule {name}: give at_least or at_most")),
+            _ => return Err(format!("the rule {name}: give either at_least or at_most")),
         };
         if matches!(threshold, Threshold::AtMost(_)) && stated.former_share.is_some() {
-            return Err(format!("the rule {name}: former_share is about losses, and at_most asks for less"));
+            return Err(format!("the rule {name}: former_share applies to at_least, not to at_most"));
         }
         let has_angles = stated.least_deflection_deg.is_some() || stated.view_angle_deg.is_some();
         if has_angles && !stated.measure.is_of_mirrors() {
-            return Err(format!("the rule {name}: least_deflection_deg and view_angle_deg are about glare_minutes"));
+            return Err(format!(
+                "the rule {name}: least_deflection_deg and view_angle_deg apply only to glare_minutes"
+            ));
         }
         if stated.least_angle_deg > 0.0 && stated.measure.is_of_mirrors() {
-            return Err(format!("the rule {name}: least_angle_deg is about the sun itself, give view_angle_deg"));
+            return Err(format!(
+                "the rule {name}: least_angle_deg does not apply to glare_minutes, give view_angle_deg"
+            ));
         }
         let angles = GlareAngles {
             least_deflection_deg: stated.least_deflection_deg.unwrap_or(GlareAngles::ALL.least_deflection_deg),
@@ -292,13 +296,13 @@ impl TryFrom<StatedRule> for Rule {
             _ => return Err(format!("the rule {name}: give from and to, the earlier time first")),
         };
         if stated.measure == RuleMeasure::VscPercent && !(stated.dates.is_empty() && hours.is_none()) {
-            return Err(format!("the rule {name}: a sky component has no dates and no hours"));
+            return Err(format!("the rule {name}: vsc_percent has no dates and no hours, leave them out"));
         }
         if stated.measure == RuleMeasure::VscPercent && matches!(part, LitPart::AtATime(_)) {
-            return Err(format!("the rule {name}: a sky component has no lit_share, give area_share"));
+            return Err(format!("the rule {name}: vsc_percent has no lit_share, give area_share"));
         }
         if stated.measure == RuleMeasure::ProbablePercent && stated.days != DaysTogether::Sum {
-            return Err(format!("the rule {name}: probable_percent is of all its days: give days = \"sum\""));
+            return Err(format!("the rule {name}: probable_percent counts all days together: give days = \"sum\""));
         }
         Ok(Rule {
             name,

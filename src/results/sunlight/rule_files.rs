@@ -25,7 +25,7 @@ const SHIPPED: [(&str, &str); 11] = [
 ];
 
 /// Hint that says what a file of rules may hold.
-const KEYS: &str = "give tables [[rule]] with a name, dates, at_least, and what else the shipped ones have ({command:rules} shows them)";
+const KEYS: &str = "give tables [[rule]] with a name, dates, at_least and other keys as in the shipped rules ({command:rules} shows them)";
 
 /// Contents of a file of rules.
 #[derive(Deserialize)]
@@ -66,12 +66,12 @@ pub fn read_rules(names: &[String]) -> Result<Vec<Rule>> {
             None => {
                 let shipped: Vec<&str> = SHIPPED.iter().map(|(shipped, _)| *shipped).collect();
                 let hint = format!("give {}, or a file of your own that ends with .toml", shipped.join(", "));
-                return Err(Error::argument("rule", format!("`{name}` is none of the rules that are known"), hint));
+                return Err(Error::argument("rule", format!("`{name}` is not a known rule"), hint));
             }
         };
         for rule in rules_of(path, &text)? {
             if let Some(same) = all.iter().find(|other| other.name == rule.name) {
-                let what = format!("`{}` is the name of two rules", same.name);
+                let what = format!("two rules are named `{}`", same.name);
                 return Err(Error::input(path, None, what, "give each rule a name of its own, and each file once"));
             }
             all.push(rule);
@@ -107,17 +107,17 @@ mod tests {
 
     /// Thirteen wrong rules are refused with their line and a message that names the mistake.
     #[test]
-    fn wrong_rules() {
+    fn wrong_rules_are_refused_with_their_line() {
         for (lines, says) in [
             ("at_least = 120", "missing field `name`"),
-            ("name = \"a\"", "give at_least or at_most"),
-            ("name = \"a\"\nat_least = 1\nat_most = 2", "give at_least or at_most"),
-            ("name = \"a\"\nat_most = 1\nview_angle_deg = 20", "are about glare_minutes"),
-            ("name = \"My rule\"\nat_least = 1", "no name of a rule"),
+            ("name = \"a\"", "give either at_least or at_most"),
+            ("name = \"a\"\nat_least = 1\nat_most = 2", "give either at_least or at_most"),
+            ("name = \"a\"\nat_most = 1\nview_angle_deg = 20", "apply only to glare_minutes"),
+            ("name = \"My rule\"\nat_least = 1", "cannot name a rule"),
             ("name = \"a\"\nat_least = -1", "at_least is -1"),
-            ("name = \"a\"\nat_least = 1\nfrom = \"9\"\nto = \"15:00\"", "`9` is no time of a day"),
+            ("name = \"a\"\nat_least = 1\nfrom = \"9\"\nto = \"15:00\"", "`9` is not a time of day"),
             ("name = \"a\"\nat_least = 1\nfrom = \"15:00\"\nto = \"09:00\"", "the earlier time first"),
-            ("name = \"a\"\nat_least = 1\ndates = [\"03-32\"]", "`03-32` is no day"),
+            ("name = \"a\"\nat_least = 1\ndates = [\"03-32\"]", "`03-32` is not a day"),
             ("name = \"a\"\nat_least = 1\nlit_share = 0.5\narea_share = 0.5", "not both"),
             ("name = \"a\"\nat_least = 1\nhours = 2", "unknown field `hours`"),
             ("name = \"a\"\nat_least = 1\nclock = \"summer\"", "none of standard, legal, solar"),

@@ -173,7 +173,7 @@ impl LadderTable {
         }
         out += &format!(
             "* no other rung is faster and better. {} receivers, CPU seconds, replay of a year of hours into sums; errors of hourly \
-             totals in percent of their mean, {:.1} W/m2, told by an independent judge\n",
+             totals in percent of their mean, {:.1} W/m2, against a reference path tracer\n",
             self.receivers, self.mean_w_m2
         );
         out

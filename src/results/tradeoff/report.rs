@@ -48,7 +48,7 @@ fn picture(ladder: &LadderTable, title: &str, x: &str, at: impl Fn(&LadderStep) 
         y: Axis { label: "RMSE of hourly totals, % of their mean".into(), log: true },
         series: [
             series("the frontier: nothing is faster and better", some(true), Style::Both),
-            series("something is", some(false), Style::Marks),
+            series("something is faster and better", some(false), Style::Marks),
         ]
         .into_iter()
         .filter(|series| !series.points.is_empty())

@@ -211,7 +211,7 @@ mod tests {
     /// Mean absolute errors 4, 2, 0.5 at sides 8, 16, 32 fall with the orders 1 and 2; at cell
     /// sizes 4, 2, 1 as well; an error of 0 has no order.
     #[test]
-    fn orders_of_convergence() {
+    fn orders_follow_from_errors_at_doubled_settings() {
         let of = |values: [f64; 3], errors: [f64; 3], falling: bool| -> Vec<Option<f64>> {
             let at = |(value, mean_absolute): (f64, f64)| {
                 let error = ErrorMeasures { rmse: 0.0, bias: 0.0, mean_absolute };

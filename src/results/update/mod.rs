@@ -84,7 +84,7 @@ impl UpdateDone {
     pub fn text(&self) -> String {
         let moved = if self.moved > 0 { format!(", {} moved", self.moved) } else { String::new() };
         format!(
-            "{}: {} stay{moved}, {} went, {} left out, {} new\n",
+            "{}: {} kept{moved}, {} removed, {} left out, {} new\n",
             self.archive.display(),
             counted(self.kept as u64, "receiver"),
             self.gone,
@@ -100,7 +100,7 @@ impl UpdateRequest {
     pub fn write(&self, resources: &Resources) -> Result<UpdateDone> {
         let observer = resources.observer;
         if self.edits.is_empty() && self.add.files.is_empty() {
-            let hint = "say what changes with it, or with {remove}, {move}, {height} or {material}";
+            let hint = "give an edit with it, or with {remove}, {move}, {height} or {material}";
             return Err(Error::argument("add", "no edit is given", hint));
         }
         let added = if self.add.files.is_empty() { Site::default() } else { self.added_site()? };
@@ -137,7 +137,10 @@ impl UpdateRequest {
         let mut after = states.stay(held)?;
         if !after.buried.is_empty() {
             let (count, names) = (counted(after.buried.len() as u64, "receiver"), after.buried.iter().cloned());
-            observer.warn(&with_list(&format!("{count} would be inside something or covered now: left out"), names));
+            observer.warn(&with_list(
+                &format!("{count} left out: the edits put them inside an object, or cover them"),
+                names,
+            ));
         }
         let numbers = states.numbers(states.edited.materials.iter().map(|material| material.name.as_str()));
         for material in &mut new.materials {
@@ -174,7 +177,7 @@ impl UpdateRequest {
         }
         let first = self.add.first();
         if held.objects.list.is_empty() {
-            let hint = "build it again from scene files: those of this release name them";
+            let hint = "build it again from its scene files: this release stores the names of their objects";
             return Err(Error::input(&self.before, None, "the archive names no objects, so none can be added", hint));
         }
         let (scene, mut soup) = Scene::load_with_objects(added)?;
@@ -210,7 +213,7 @@ impl UpdateRequest {
         if let Some(negligible) = &manifest.negligible {
             let left_out = manifest.settings.left_out.join(", ");
             observer.warn(&format!(
-                "{} leaves out {left_out}, which brought little under {}: what they bring the edited scene is not known",
+                "{} leaves out {left_out}, which contributed little under {}: their contribution to the edited scene is not known",
                 before.path().display(),
                 negligible.weather
             ));
@@ -236,4 +239,4 @@ impl UpdateRequest {
 
 /// Hint for an interrupted update with other edits.
 const OTHER_EDITS: &str =
-    "give the edits that it was started with to go on with it, {fresh} to discard it, or another {output}";
+    "repeat the edits that started it to continue, or give {fresh} to discard it, or another {output}";

@@ -110,7 +110,7 @@ impl AuditRequest {
             }
         }
         if self.seconds.is_some_and(|seconds| !is_time(seconds)) {
-            return Err(Error::argument("seconds", "is no time", "give a number of seconds above 0"));
+            return Err(Error::argument("seconds", "is not a time", "give a number of seconds above 0"));
         }
         if self.weather.is_some() && self.conditions.is_some() {
             return Err(Error::argument("weather, conditions", "are both given", "give one of them"));
@@ -129,7 +129,10 @@ impl AuditRequest {
         let left_out = &archive.manifest().settings.left_out;
         if !left_out.is_empty() {
             let left_out = left_out.join(", ");
-            observer.report(&format!("{} leaves out {left_out}, and so does the judge\n", archive.path().display()));
+            observer.report(&format!(
+                "{} leaves out {left_out}, and so does the reference path tracer\n",
+                archive.path().display()
+            ));
         }
         let samples = self.samples.unwrap_or(if self.seconds.is_some() { u32::MAX } else { SAMPLES });
         let audited = audit(&AuditInputs {

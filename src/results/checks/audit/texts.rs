@@ -21,7 +21,7 @@ impl AuditReport {
     pub fn text(&self) -> String {
         let mut out = format!(
             "{}: {} receivers, {} hours of {} in all, mean total {:.1} W/m2\n\
-             {:13} {:>28} {:>26}   worst: W/m2 off, of, receiver, hour\n",
+             {:13} {:>28} {:>26}   worst: difference and reference in W/m2, receiver, hour\n",
             self.archive.display(),
             self.receivers,
             self.hours,
@@ -91,10 +91,10 @@ impl AuditReport {
         let total = self.total();
         let percent = total.rmse_percent;
         format!(
-            "{} places of this site were looked at, each under some hours of {}. For each, an independent calculation that follows single paths \
-             of light, and has nothing of the archive's textures, was compared with the archive. Over all hours the archive is off by \
-             <b>{:.2} %</b> of the mean ({:.2} to {:.2} %, 95 % confidence), which is {:.1} W/m2. {}. What is not yet settled of the judge's \
-             own paths is taken off.",
+            "The archive was compared with a reference path tracer at {} places of this site, each under some hours of {}. The \
+             reference follows single paths of light and uses no textures of the archive. Over all hours the RMSE of the archive is \
+             <b>{:.2} %</b> of the mean ({:.2} to {:.2} %, 95 % confidence), which is {:.1} W/m2. {}. The noise of the reference itself \
+             is subtracted.",
             self.receivers,
             escaped(&self.weather),
             percent.value,
@@ -131,8 +131,8 @@ impl AuditReport {
         let most = self.audited.pairs.iter().map(|pair| at(pair).0).fold(1.0, f64::max);
         let plot = Plot {
             title: "How far the archive is off".into(),
-            x: Axis { label: "total by the judge, W/m2".into(), log: false },
-            y: Axis { label: "archive less judge, W/m2".into(), log: false },
+            x: Axis { label: "total by the reference path tracer, W/m2".into(), log: false },
+            y: Axis { label: "archive minus reference, W/m2".into(), log: false },
             series: vec![
                 Series::new("a receiver in an hour", self.audited.pairs.iter().map(at).collect(), Style::Marks),
                 Series::new("no difference", vec![(0.0, 0.0), (most, 0.0)], Style::Line),
@@ -147,13 +147,13 @@ impl AuditReport {
             self.sky_views.iter().map(|group| (100.0 * group.sky_view[1], of_mean(group.rmse_w_m2))).collect()
         };
         let plot = Plot {
-            title: "Error by what receivers see of the sky".into(),
+            title: "Error by sky view of receivers".into(),
             x: Axis { label: "sky view of a tenth of the receivers, %".into(), log: false },
             y: Axis { label: "RMSE of totals, % of the mean of all".into(), log: false },
             series: vec![
                 Series::new("found", points(|rmse| rmse.value), Style::Both),
-                Series::new("95 % of cases lie above", points(|rmse| rmse.low), Style::Line),
-                Series::new("and below", points(|rmse| rmse.high), Style::Line),
+                Series::new("95 % confidence: lower end", points(|rmse| rmse.low), Style::Line),
+                Series::new("upper end", points(|rmse| rmse.high), Style::Line),
             ],
         };
         plot.svg(PICTURE_PX.0, PICTURE_PX.1)

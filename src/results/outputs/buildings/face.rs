@@ -142,7 +142,7 @@ mod tests {
     /// In a row of 6 squares of 1 m2 the third is dark: the regions have 2 and 3 m2, and a least
     /// area of 2.5 m2 leaves one. Without patches all 5 m2 are one region.
     #[test]
-    fn a_row() {
+    fn a_dark_square_splits_a_row_into_two_regions() {
         let usable = Usable { threshold_kwh_m2: 900.0, least_m2: 2.5 };
         let row = |patch: &Patch| {
             let mut face = RoofFace { receivers: 6, ..RoofFace::default() };

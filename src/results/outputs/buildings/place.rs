@@ -51,7 +51,7 @@ mod tests {
 
     /// The kind decides, then the tilt; windows count if they are upright: 8 of 8.
     #[test]
-    fn kinds_then_tilt() {
+    fn the_kind_decides_before_the_tilt() {
         for (kind, up, expected) in [
             ("roof", 0.1, Envelope::Roof),
             ("wall", 0.9, Envelope::Facade),

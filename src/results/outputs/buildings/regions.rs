@@ -121,7 +121,7 @@ mod tests {
     /// not. A square beside two half-shifted ones is one region with both: 4 of 4, on level and on
     /// steep faces.
     #[test]
-    fn edges_join() {
+    fn squares_join_along_edges_not_at_corners() {
         let flat = square();
         for (places, expected) in [
             (&[(0.0, 0.0), (1.0, 0.0), (2.0, 0.0)][..], &[0, 0, 0][..]),

@@ -89,7 +89,7 @@ mod tests {
     /// An object of 3 members is written again with its keys in order and its numbers unchanged,
     /// `1.50` and `2e0`; null is an empty object.
     #[test]
-    fn as_it_was() {
+    fn numbers_and_keys_are_written_again_unchanged() {
         let text = r#"{"b":1.50,"a\n":{"x": 2e0},"c":null}"#;
         let fields: Fields = serde_json::from_str(text).expect("an object");
         let mut out = Vec::new();

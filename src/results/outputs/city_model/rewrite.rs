@@ -385,7 +385,7 @@ mod tests {
     /// null values get none. Null attributes become attributes. An object without sums stays as it
     /// is, spaces included. Version 1.1 has its provenance in the root object.
     #[test]
-    fn depths() {
+    fn faces_at_every_depth_get_their_sums() {
         let sums = sums(&[
             ("a", "geometry[1].boundaries[0][1][0]"),
             ("a", "geometry[0].boundaries[1]"),
@@ -419,7 +419,7 @@ mod tests {
 
     /// Texts that are no city model are refused with a message that says what they are, 4 of 4.
     #[test]
-    fn no_models() {
+    fn texts_that_are_not_city_models_are_refused() {
         let sums = sums(&[("a", "geometry[0].boundaries[0]")]);
         for (text, part) in [
             ("[]", "an object"),

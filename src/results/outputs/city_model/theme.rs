@@ -72,7 +72,7 @@ mod tests {
     /// A largest sum of 1,650 gives 17 classes of 100, 1,000 gives 20 of 50, and 0 gives 1. A sum
     /// of 100 is in the second class, the largest in the last. Names of materials are recognised.
     #[test]
-    fn classes() {
+    fn the_largest_sum_sets_the_number_of_classes() {
         for (largest, width, classes) in [(1650.0, 100.0, 17), (1000.0, 50.0, 20), (0.3, 0.02, 15), (999.0, 50.0, 20)] {
             let theme = Theme::up_to(largest);
             assert_eq!(theme.classes, classes, "{largest}");

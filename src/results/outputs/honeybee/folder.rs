@@ -48,16 +48,11 @@ impl ResultsFolder {
     pub fn check(path: &Path) -> Result<()> {
         let is_empty = |path: &Path| fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_none());
         if path.exists() && !is_empty(path) {
-            return Err(Error::input(
-                path,
-                None,
-                "is there and not empty",
-                "give the results a folder of their own, or remove it",
-            ));
+            return Err(Error::input(path, None, "exists and is not empty", "give another folder, or remove this one"));
         }
         let partial = partial_of(path);
         match partial.exists() {
-            true => Err(Error::input(&partial, None, "is left of a run that was stopped", "remove it")),
+            true => Err(Error::input(&partial, None, "is left over from a run that was stopped", "remove it")),
             false => Ok(()),
         }
     }

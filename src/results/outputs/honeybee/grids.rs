@@ -88,7 +88,7 @@ mod tests {
     /// Five receivers are in 4 grids in the order of names; characters that are invalid in file
     /// names become `_`, and two names that differ in case get different files.
     #[test]
-    fn names() {
+    fn names_of_grids_are_valid_file_names() {
         let receivers = ["b/c", "Hall", "hall", "b/c", ""].map(|object| {
             let mut receiver = Receiver::new("r".into(), DVec3::ZERO, DVec3::Z);
             receiver.part.object = object.into();

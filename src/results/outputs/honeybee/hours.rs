@@ -31,7 +31,7 @@ impl LitHours {
         let Some(timestep) = timestep.filter(|_| stamps().all(|stamp| (stamp.hours - hours).abs() < 1e-9)) else {
             return Err((
                 format!("intervals of {} minutes", 60.0 * hours),
-                "give weather in steps that an hour is whole of",
+                "give weather in steps that divide an hour",
             ));
         };
         let mut all = Vec::with_capacity(conditions.len());
@@ -82,7 +82,7 @@ mod tests {
     /// The hour from 6:00 of 1 March is hour 1,422, in a leap year, too; quarters are 0.25 apart; 2
     /// of 3 hours have light.
     #[test]
-    fn hours_of_the_year() {
+    fn hours_of_leap_years_count_as_in_other_years() {
         for year in [2016, 2017] {
             let hours =
                 [(360.0, 0.0), (420.0, 5.0), (480.0, 9.0)].map(|(min, dhi)| condition(day(year, 3, 1), min, 1.0, dhi));
@@ -96,7 +96,7 @@ mod tests {
 
     /// A leap day, steps of 7 minutes, an hour from 6:10 and two years are refused: 4 of 4.
     #[test]
-    fn refusals() {
+    fn hours_outside_of_one_plain_year_are_refused() {
         let refused = |conditions: &[Condition]| LitHours::of(conditions).expect_err("refused").0;
         assert_eq!(refused(&[condition(day(2016, 2, 29), 0.0, 1.0, 0.0)]), "29 February");
         assert!(refused(&[condition(day(2017, 1, 1), 0.0, 7.0 / 60.0, 0.0)]).contains("7 minutes"));

@@ -102,7 +102,7 @@ mod tests {
     /// With 2 stacks of 3 bars, one value below zero and one that is no number, 4 rectangles are
     /// stacked, as high as their values to 0.1 %; names with `<` are escaped in 6 of 6 places.
     #[test]
-    fn heights() {
+    fn bars_are_as_high_as_their_values() {
         let bad = "a<script>";
         let stack = |values: [f64; 3]| Stack { name: bad.into(), colour: [1, 2, 3], values: values.into() };
         let bars = Bars {

@@ -122,7 +122,7 @@ mod tests {
     /// The picture has the night, two white bars, two coloured bars and two in the legend; a
     /// coloured bar is a twelfth of the frame high and half as wide as it.
     #[test]
-    fn bars_of_spells() {
+    fn a_spell_of_an_hour_is_a_bar_of_its_length() {
         let spell = |start_min: f64, end_min: f64| Spell { start_min, end_min };
         let day = |number: u32| CalendarDay {
             date: Date { year: 2017, month: 3, day: number },

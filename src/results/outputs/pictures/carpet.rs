@@ -75,7 +75,7 @@ mod tests {
     /// With 2 columns and 3 known hours, 3 rectangles stand beside the page's and the legend's 256,
     /// in the colours of 0, a half and all of the scale's end, 500.
     #[test]
-    fn colours_of_hours() {
+    fn only_known_hours_are_coloured() {
         let mut columns = vec![[None; HOURS]; 2];
         (columns[0][3], columns[1][12], columns[1][13]) = (Some(0.0), Some(250.0), Some(500.0));
         let carpet = Carpet {

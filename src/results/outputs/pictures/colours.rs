@@ -157,14 +157,14 @@ mod tests {
 
     /// The map is dark at 0 and pale at 1, and NaN does not panic: 3 of 3.
     #[test]
-    fn ends() {
+    fn the_map_is_dark_at_0_and_pale_at_1() {
         assert_eq!((inferno(0.0), inferno(1.0), inferno(f32::NAN)[0] < 255), ([0, 0, 4], [252, 255, 164], true));
     }
 
     /// Around zero, equal losses and gains are equally far from the middle, violet and orange.
     /// Ticks are round on both sides, and NaN does not panic: 6 of 6.
     #[test]
-    fn losses_and_gains() {
+    fn equal_losses_and_gains_are_equally_strong() {
         let scale = ColourScale::AroundZero;
         assert_eq!([-1.0, 0.0, 1.0].map(|share| scale.on_paper(share)), [[45, 0, 75], [247; 3], [127, 59, 8]]);
         assert_eq!([scale.on_surfaces(-0.6), scale.on_surfaces(0.6)], [[128, 115, 172], [224, 130, 20]]);
@@ -175,7 +175,7 @@ mod tests {
     /// The page's map has 256 colours, of which 0, 128 and 255 equal matplotlib's; 254 of them are
     /// distinct.
     #[test]
-    fn the_map_of_the_page() {
+    fn the_map_of_the_page_is_that_of_matplotlib() {
         assert_eq!(VIRIDIS.len(), STEPS);
         assert_eq!([0, 128, 255].map(viridis), [[68, 1, 84], [33, 145, 140], [253, 231, 37]]);
         assert_eq!(VIRIDIS.iter().collect::<std::collections::BTreeSet<_>>().len(), 254);
@@ -184,7 +184,7 @@ mod tests {
 
     /// The 6 components have the page's colours and words.
     #[test]
-    fn the_components_of_the_page() {
+    fn components_have_the_colours_of_the_page() {
         let words = include_str!("../../../viewer/source/words.ts");
         for (component, [r, g, b], word) in COMPONENTS {
             let colour = format!("  {}: \"#{r:02x}{g:02x}{b:02x}\",\n", component.name());

@@ -253,7 +253,7 @@ mod tests {
     /// The positions of 300 directions in front of a wall lead back to the directions; up is up,
     /// and a view to the south has east on the left: 2 of 2.
     #[test]
-    fn as_a_camera() {
+    fn a_view_to_the_south_has_east_on_the_left() {
         let south = Frame::of(-DVec3::Y);
         for i in 0..300 {
             let d = direction_from_degrees(180.0 + f64::from(i % 17) * 10.0 - 80.0, f64::from(i % 13) * 13.0 - 78.0);

@@ -168,7 +168,7 @@ mod tests {
 
     /// Two calls give equal bytes, 640 x 400 as requested, closed once and without references.
     #[test]
-    fn equal_bytes() {
+    fn equal_charts_have_equal_bytes() {
         let three = || vec![series(&FIVE, Style::Both), series(&FIVE, Style::Marks), series(&FIVE, Style::Line)];
         let svg = plot(three(), false).svg(640, 400);
         assert_eq!(svg, plot(three(), false).svg(640, 400));
@@ -180,7 +180,7 @@ mod tests {
     /// Charts without series, with an empty series and with a single point have 0, 0 and 1 marks,
     /// in every style and down to a size of 0 x 0.
     #[test]
-    fn few_points() {
+    fn charts_with_at_most_one_point_are_drawn() {
         for style in [Style::Line, Style::Both, Style::Marks] {
             for (points, marks) in [(&[][..], 0), (&[(2.0, 3.0)][..], 1)] {
                 let nameless = Series { name: String::new(), ..series(points, style) };

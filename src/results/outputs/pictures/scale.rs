@@ -121,7 +121,7 @@ mod tests {
     /// Ticks of 7 ranges are plain and round: decades of a logarithmic axis, 1-2-5 of a short one,
     /// linear steps within a decade, 9 digits of a narrow one.
     #[test]
-    fn round_ticks() {
+    fn ticks_are_round_numbers() {
         assert_eq!(words(&[0.02, 150.0], true, 6), ["0.1", "1", "10", "100"]);
         assert_eq!(words(&[256.0, 4096.0], true, 6), ["500", "1000", "2000"]);
         assert_eq!(words(&[3.1, 3.9], true, 6), ["3.2", "3.4", "3.6", "3.8"]);
@@ -134,7 +134,7 @@ mod tests {
     /// Steps to 5 lengths end at or above them; 0, a negative number, NaN, infinity and 5e-324
     /// count as 1.
     #[test]
-    fn round_tops() {
+    fn axes_end_at_or_above_the_largest_value() {
         assert_eq!(round_steps(1876.0, 5), [0.0, 500.0, 1000.0, 1500.0, 2000.0]);
         assert_eq!(round_steps(0.28, 5), [0.0, 0.1, 0.2, 0.3]);
         assert_eq!(round_steps(10.0, 4), [0.0, 2.5, 5.0, 7.5, 10.0]);
@@ -148,7 +148,7 @@ mod tests {
     /// Axes without values, with one value, and with ranges from 5e-324 to 1e300 have 1 to 8 ticks,
     /// and each value and tick lies between 0 and 1.
     #[test]
-    fn any_values() {
+    fn any_range_has_1_to_8_ticks() {
         let sets: [&[f64]; 8] = [
             &[],
             &[5.0],

@@ -178,7 +178,7 @@ mod tests {
     /// brightest first; none fits above another. Two modules of 3 x 3 m fit, none of 7 x 1 m, and
     /// no two places of 1.5 x 1.5 m overlap.
     #[test]
-    fn modules_fit() {
+    fn modules_fit_without_overlap() {
         let all = roof(6);
         let names = |size, count| -> Vec<String> {
             best_places(&all, size, count).into_iter().map(|i| all[i].receiver.clone()).collect()
@@ -200,7 +200,7 @@ mod tests {
     /// Receivers without patches carry no module. 4 places reach over both sides of the middle
     /// column; with a gap of 0.3 m between patches there is none.
     #[test]
-    fn gaps_are_gaps() {
+    fn no_module_reaches_over_a_gap() {
         let mut all = roof(3);
         assert_eq!(best_places(&all, [1.2, 1.0], 99).len(), 4);
         let u = Frame::of(all[0].normal).u;

@@ -80,7 +80,7 @@ fn captions(page: &mut Svg, search: &PointSearch, most_loss: f64) {
         search.loss_percent(search.flat.value)
     );
     line(SIDE + 12.0, &best, 12.0);
-    line(SIDE + 58.0, &format!("lost beside the best: 0 % to {most_loss:.0} % and more"), 11.0);
+    line(SIDE + 58.0, &format!("loss against the best: 0 % to {most_loss:.0} % and more"), 11.0);
     let scale = Frame { left: 16.0, right: 316.0, top: SIDE + 26.0, bottom: SIDE + 40.0 };
     page.colours(&scale, 100, |step| colour(1.0 - step as f64 / 99.0));
 }

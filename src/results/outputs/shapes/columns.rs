@@ -66,7 +66,7 @@ impl MapColumns {
             (Some(Every::Hour | Every::Day), count) => {
                 return Err(Error::argument(
                     "output",
-                    format!("a map has a row for each place, and {count} columns of each component are too many"),
+                    format!("a map has one row for each place, and {count} columns for each component are too many"),
                     "give {every} total, year or month, or a time series for ParaView: a name that ends with .pvd",
                 ));
             }
@@ -97,7 +97,7 @@ impl MapColumns {
         }
         if values.len() > MOST_COLUMNS {
             let what = format!(
-                "columns of values of a map, {} of {} components (take fewer with {{columns}} total, or write a table)",
+                "the number of columns of a map, {} of {} components (choose fewer with {{columns}} total, or write a table)",
                 labels.len(),
                 quantities.len()
             );

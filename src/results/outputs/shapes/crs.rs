@@ -82,7 +82,7 @@ mod tests {
     /// 1e-7 degrees. In New York's feet coordinates are divided by 1200/3937. Both definitions
     /// contain their number.
     #[test]
-    fn systems() {
+    fn latitudes_in_the_hague_are_those_of_proj() {
         let point = DVec3::new(80_474.8, 455_194.3, 7.0);
         let hague = MapCrs::of(Some(&place(28992, 52.08, 4.3)), point);
         assert_eq!(hague.coordinates(point), point.to_array());

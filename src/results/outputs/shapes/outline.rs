@@ -226,7 +226,7 @@ mod tests {
     /// within 5 mm of the true square, of 100 m2 within 0.1 % and with the same normal. Without
     /// four squares in the middle it has one hole of 4 m2.
     #[test]
-    fn squares_melt() {
+    fn squares_become_one_outline() {
         let whole = outlines(roof(10, |_, _| true));
         assert!(whole.len() == 1 && whole[0].corners().count() == 4, "{whole:?}");
         let frame = Frame::of(DVec3::new(0.4, -0.5, 0.8).normalize());

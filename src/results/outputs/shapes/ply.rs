@@ -100,7 +100,7 @@ mod tests {
     /// A wall with a window has 8 triangles, and a place without an extent is a point: 25 vertices
     /// of 31 bytes, 8 faces of 13; 5 comments are single lines.
     #[test]
-    fn triangles_and_points() {
+    fn a_place_without_extent_is_a_point() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("map.ply");
         let (labels, by) = (RowLabels::words(vec!["total".into()]), By::Receiver);

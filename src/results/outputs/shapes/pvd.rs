@@ -38,7 +38,7 @@ pub struct Series {
 impl Series {
     pub fn new(layout: &Layout, labels: &RowLabels, storage: &dyn ScratchSpace) -> Result<Self> {
         if labels.len() as u64 > MOST_FILES {
-            let what = "moments of a time series, each a file (take fewer with {from} and {to}, or a longer {every})";
+            let what = "the number of files of a time series (choose fewer with {from} and {to}, or a longer {every})";
             return Err(Error::Limit { what: what.into(), value: labels.len() as u64, max: MOST_FILES });
         }
         let sources = layout.quantities.iter().map(|one| one.source).collect();
@@ -110,7 +110,8 @@ pub fn write(
     // Each file repeats the geometry, so the total size is checked before anything is written.
     if each * labels > MOST_BYTES {
         let what = format!(
-            "bytes of a time series of {labels} files (take fewer with {{from}} and {{to}}, a longer {{every}}, {{by}} building or {{receivers}})"
+            "the size in bytes of a time series of {labels} files (choose fewer with {{from}} and {{to}}, a longer {{every}}, {{by}} \
+             building or {{receivers}})"
         );
         return Err(Error::Limit { what, value: each * labels, max: MOST_BYTES });
     }

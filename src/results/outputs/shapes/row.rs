@@ -215,7 +215,7 @@ pub(super) mod tests {
     /// A wall of 12 m2 with a window of 1 m2 has 11 m2 and faces south, and its 8 triangles have
     /// the same area and winding.
     #[test]
-    fn holes_are_cut() {
+    fn a_window_is_cut_out_of_its_wall() {
         let wall = wall();
         assert!((wall.area_m2() - 11.0).abs() < 1e-9 && (wall.normal() + DVec3::Y).length() < 1e-9);
         let corners: Vec<DVec3> = wall.corners().copied().collect();

@@ -147,7 +147,7 @@ mod tests {
     /// A building with two parts has the values on which both parts agree; numbers stay numbers,
     /// and a column `kind` gets another name.
     #[test]
-    fn parts_agree() {
+    fn a_building_has_the_values_on_which_its_parts_agree() {
         let object =
             |building: &str, value: Value| (building.to_owned(), value.as_object().expect("an object").clone());
         let objects = BTreeMap::from([

@@ -66,9 +66,9 @@ impl MapFormat {
         }
         let what = match crs.epsg() {
             Some(epsg) => {
-                format!("GeoJSON has latitudes, and EPSG:{epsg} is not among the systems that are known here")
+                format!("GeoJSON needs latitudes, and EPSG:{epsg} is not a known coordinate system")
             }
-            None => "GeoJSON has latitudes, and nothing says which coordinate system the scene is in".into(),
+            None => "GeoJSON needs latitudes, and the coordinate system of the scene is not known".into(),
         };
         let hint = "write .fgb, .glb or .vtu, or build the archive with {crs}, as in {crs} 28992";
         Err(Error::argument(field, what, hint))

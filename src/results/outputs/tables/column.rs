@@ -245,7 +245,7 @@ mod tests {
 
     /// Twelve names of columns give their units.
     #[test]
-    fn units_by_name() {
+    fn names_of_columns_give_their_units() {
         for (name, unit) in [
             ("total_kwh_m2", Some("kWh/m2")),
             ("dni_w_m2", Some("W/m2")),
@@ -267,7 +267,7 @@ mod tests {
     /// A table of 3 positions of the sun has 3 rows a place and one column of names in its batches;
     /// a table without steps has 1 row a place.
     #[test]
-    fn steps() {
+    fn a_table_of_3_suns_has_3_rows_a_place() {
         let suns = Column::number_of_steps("sun_altitude_deg", vec![0.0, 45.0, 90.0]);
         let columns = TableColumns::new(vec![Column::of_places("receiver", Kind::Text), suns]);
         assert_eq!((columns.rows_of_place(), columns.has_steps(), columns.in_batches().count()), (3, true, 1));

@@ -306,7 +306,7 @@ mod tests {
     /// For 20,000 values from 1e-6 to 1e6 of both signs, the fast formatting equals Rust's `{:.3}`
     /// of the f64 value, except for ties; special values have their own text.
     #[test]
-    fn fast_numbers() {
+    fn fast_numbers_equal_those_of_rust() {
         for i in 0..20_000_u32 {
             let value = (1.37 * 10_f64.powf(f64::from(i % 120) / 10.0 - 6.0)) as f32;
             for value in [value, -value, value * i as f32] {
@@ -334,7 +334,7 @@ mod tests {
 
     /// Sums keep six significant digits: 1234.56, 0.123456, 0.000123456.
     #[test]
-    fn significant_digits() {
+    fn sums_keep_six_significant_digits() {
         for (value, text) in [
             (1_234.56, "1234.56"),
             (0.123_456, "0.123456"),
@@ -350,7 +350,7 @@ mod tests {
 
     /// Names with a comma, a quote or a line end are quoted, others are not: 3 cases.
     #[test]
-    fn quoting() {
+    fn only_names_that_need_quotes_get_them() {
         assert_eq!(quoted("a b"), "a b");
         assert_eq!(quoted("a,b"), "\"a,b\"");
         assert_eq!(quoted("a\"b\n"), "\"a\"\"b\n\"");

@@ -92,7 +92,7 @@ mod tests {
     /// The metadata file of a table of hours has the table's name, the format of its times, the
     /// unit of its one value, and 4 properties. Labels without instants are strings.
     #[test]
-    fn results() {
+    fn metadata_describe_columns_and_units() {
         let layout = Layout::of_components(Labels::Times, By::Receiver, &"total".parse().expect("a name"));
         let moment = (Date::new(2019, 3, 1).expect("a date"), 0.0);
         let labels = RowLabels::moments(&[moment], UtcOffset::default(), Precision::Minute);

@@ -64,7 +64,7 @@ fn check_provenance(metadata: &Metadata) {
 /// Hours in Arrow files are timestamps in microseconds with their zone, `+01:00` or, at half hours,
 /// the name of one; 48 values count from midnight of that zone, and the schema has the provenance.
 #[test]
-fn arrow_times() {
+fn times_in_arrow_have_their_zone() {
     let folder = tempfile::tempdir().expect("a folder");
     for (name, zone_hours, zone) in
         [("t.arrow", 1.0, "+01:00"), ("t.feather", 5.5, "Asia/Kolkata"), ("n.arrow", -3.5, "-03:30")]
@@ -85,7 +85,7 @@ fn arrow_times() {
 /// differences: 48 values. The Arrow schema in the metadata has the zone, and both hold the
 /// provenance.
 #[test]
-fn parquet_times() {
+fn times_in_parquet_are_instants_of_utc() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = File::open(written_hours(&folder, "t.parquet", 1.0)).expect("open");
     let reader = SerializedFileReader::new(file).expect("Parquet");
@@ -109,7 +109,7 @@ fn parquet_times() {
 /// of 1 March 2019. An array beside them has the clock's offset from UTC: 60 minutes. Provenance is
 /// JSON, as in the axes of an `.npy` file, whose times have the offset.
 #[test]
-fn numpy_times() {
+fn times_in_numpy_are_local_readings() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = File::open(written_hours(&folder, "t.npz", 1.0)).expect("open");
     let mut zip = zip::ZipArchive::new(file).expect("a zip archive");
@@ -144,7 +144,7 @@ fn numpy_times() {
 /// A CSV file of hours has times with their offset, and a metadata file beside it with its name and
 /// its 4 columns; nothing else is in the folder.
 #[test]
-fn csv_times() {
+fn times_in_csv_have_their_offset() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = written_hours(&folder, "t.csv", 5.5);
     let text = std::fs::read_to_string(&path).expect("read");
@@ -193,7 +193,7 @@ fn check(schema: &Schema) {
 /// Plain and compressed Arrow files have the 144 rows in 2 batches, with names from one dictionary
 /// a column.
 #[test]
-fn arrow_round_trip() {
+fn arrow_files_hold_all_rows_in_2_batches() {
     let folder = tempfile::tempdir().expect("a folder");
     for name in ["t.arrow", "t.feather"] {
         let file = File::open(written(&folder, name)).expect("open");
@@ -242,7 +242,7 @@ fn check_values(array: &[u8]) {
 /// An `.npy` file holds the 288 values, the file beside it the names of its 3 axes; nothing else is
 /// left in the folder.
 #[test]
-fn npy_and_axes() {
+fn an_npy_file_has_its_axes_beside_it() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = written(&folder, "t.npy");
     check_values(&std::fs::read(&path).expect("read"));
@@ -259,7 +259,7 @@ fn npy_and_axes() {
 /// An `.npz` file holds the array of values and 4 arrays of strings in UTF-32; a table that lacks
 /// one receiver is refused and leaves no file.
 #[test]
-fn npz_round_trip() {
+fn an_npz_file_holds_values_and_names() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut zip = zip::ZipArchive::new(File::open(written(&folder, "t.npz")).expect("open")).expect("a zip archive");
     let mut array = |name: &str| {

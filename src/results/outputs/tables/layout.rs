@@ -269,7 +269,7 @@ mod tests {
     /// A query with all columns has the 9 of the contract; two columns of sums come in the
     /// requested order, with their unit's ending.
     #[test]
-    fn names() {
+    fn columns_come_in_the_requested_order() {
         let all = Layout::of_components(Labels::Conditions, By::Receiver, &ComponentList::all());
         let expected =
             "condition,receiver,sun_direct,sky_direct,sun_diffuse,sky_diffuse,sun_specular,sky_specular,total";
@@ -283,7 +283,7 @@ mod tests {
     /// A comparison has four columns a component, in its unit or in percent; the change of the
     /// total is the main one.
     #[test]
-    fn changes() {
+    fn a_comparison_has_four_columns_a_component() {
         let layout = Layout::of_changes(Labels::Sums, By::Receiver, &"sky_direct,total".parse().expect("names"));
         let of = |name: &str| ["before", "after", "change"].map(|side| format!("{side}_{name}_kwh_m2"));
         let names = [of("sky_direct").as_slice(), &["change_sky_direct_percent".into()], &of("total")].concat();

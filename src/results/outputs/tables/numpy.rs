@@ -182,7 +182,7 @@ mod tests {
     /// A header equals the one NumPy 2.4 writes for the same array: 128 bytes, of which 118 follow
     /// the length.
     #[test]
-    fn header_is_numpys() {
+    fn the_header_equals_that_of_numpy() {
         let bytes = header("<f4", &[3, 2, 7]);
         let text = "{'descr': '<f4', 'fortran_order': False, 'shape': (3, 2, 7), }";
         assert_eq!((bytes.len(), &bytes[..10]), (128, &b"\x93NUMPY\x01\x00\x76\x00"[..]));

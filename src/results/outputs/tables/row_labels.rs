@@ -127,7 +127,7 @@ mod tests {
     /// A clock moved by 41 minutes begins on the day before, at 23:19, and another row is on the
     /// day after, at 00:19: text and UTC agree.
     #[test]
-    fn moved_clocks() {
+    fn text_and_utc_agree_over_midnight() {
         let found = labels(&[((2019, 1, 1), -41.0), ((2019, 1, 1), 1459.0)], 0.0, Precision::Minute);
         assert_eq!(found.text, ["2018-12-31T23:19+00:00", "2019-01-02T00:19+00:00"]);
         let utc = found.instants.map(|instants| instants.utc_s).unwrap_or_default();
@@ -137,7 +137,7 @@ mod tests {
     /// 06:00 in zones of +1, -7 and +5.5 h is 05:00, 13:00 and 00:30 UTC; 24:00 of 31 December is
     /// 00:00 of the new year; half minutes add seconds to all labels.
     #[test]
-    fn local_and_utc() {
+    fn local_times_become_utc() {
         let day = 17_956 * 86_400;
         for (hours, text, utc) in [
             (1.0, "2019-03-01T06:00+01:00", day + 5 * 3600),
@@ -160,7 +160,7 @@ mod tests {
     /// Days, months and years are dates without a clock, and instants at local midnight: 23:00 UTC
     /// of the day before at +1 h.
     #[test]
-    fn periods() {
+    fn days_are_instants_at_local_midnight() {
         for (precision, text) in
             [(Precision::Day, "2019-03-01"), (Precision::Month, "2019-03"), (Precision::Year, "2019")]
         {

@@ -127,7 +127,7 @@ mod tests {
     /// A cell of another kind, one cell too many and one too few are defects: 3 of 3, and no file
     /// is left.
     #[test]
-    fn rows_fit_their_columns() {
+    fn rows_that_do_not_fit_the_columns_are_defects() {
         let folder = tempfile::tempdir().expect("a folder");
         let columns = || vec![Column::text("face"), Column::count("regions"), Column::number("area_m2", 3)];
         let rows: [Vec<Cell>; 3] = [

@@ -68,7 +68,7 @@ fn all_of(values: &TileValues) -> PlaceValues<'_> {
 /// Two tiles (3 and 2 receivers x 30 labels) are read back from CSV with 150 rows in order, to the
 /// 3 decimals written.
 #[test]
-fn csv_round_trip() {
+fn csv_gives_all_rows_back_in_order() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("t.csv");
     let labels = names("l,", 30);
@@ -100,7 +100,7 @@ fn csv_round_trip() {
 /// Three tiles (4, 4 and 2 receivers x 48 labels) are read back from Parquet bit for bit: 480 rows
 /// in 3 row groups, with the unit of each of the 7 value columns in the metadata.
 #[test]
-fn parquet_round_trip() {
+fn parquet_gives_all_values_back_bit_for_bit() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("t.parquet");
     let labels = names("2019-01-", 48);
@@ -136,7 +136,7 @@ fn parquet_round_trip() {
 /// An unknown ending is refused with all 6 endings named, before a file is made; a wrong shape is
 /// refused; an empty table has 0 rows and a header.
 #[test]
-fn refusals_and_empty_tables() {
+fn an_unknown_ending_is_refused_with_all_endings() {
     let folder = tempfile::tempdir().expect("a folder");
     for name in ["t.xlsx", "t", ".csv"] {
         let error = create(&folder.path().join(name), &all(Labels::Times), &[], &[]).err();
@@ -162,7 +162,7 @@ fn refusals_and_empty_tables() {
 /// Parquet 0.8 s, 46 MB (values plain 56 MB, as dictionary 87 MB); CSV 0.7 s, 284 MB; `.arrow` 0.5
 /// s, 168 MB; `.feather` 0.6 s, 52 MB; `.npy` 0.3 s, `.npz` 0.7 s, 118 MB.
 #[test]
-fn year_of_rows() {
+fn a_year_takes_less_than_14_bytes_a_row() {
     let count: usize = std::env::var("HELIOTILE_ROWS").ok().and_then(|n| n.parse().ok()).unwrap_or(16);
     let folder = tempfile::tempdir().expect("a folder");
     let date = |day: u32| Date::new(2019, 1 + day / 31, 1 + day % 31);

@@ -36,7 +36,7 @@ mod tests {
     /// Whole hours, and offsets that no zone keeps, stand as they are; 7 others have a name, from
     /// the year on in which the zone has them for good.
     #[test]
-    fn names() {
+    fn offsets_get_the_name_of_a_zone_that_keeps_them() {
         let name = |hours: f64, first_s: i64| of(UtcOffset::of_hours(hours), first_s);
         for hours in [0.0, 1.0, -7.0, 10.0, 3.5, -3.5, 12.75] {
             assert_eq!(name(hours, 0), UtcOffset::of_hours(hours).to_string());

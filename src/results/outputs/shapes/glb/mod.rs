@@ -121,7 +121,7 @@ pub fn write(
 /// number, more bytes than a file can have.
 fn check_size(rows: &MapRows, path: &Path) -> Result<()> {
     if rows.facts.rows > MOST_PLACES {
-        let what = format!("the places of {} (write .fgb, or take fewer receivers)", path.display());
+        let what = format!("the number of places of {} (write .fgb, or choose fewer receivers)", path.display());
         return Err(Error::Limit { what, value: rows.facts.rows, max: MOST_PLACES });
     }
     let least = CORNER_BYTES.saturating_mul(rows.facts.corners);
@@ -129,7 +129,7 @@ fn check_size(rows: &MapRows, path: &Path) -> Result<()> {
 }
 
 fn too_large(path: &Path, bytes: u64) -> Error {
-    let what = format!("the bytes of {} (write .fgb, or take fewer receivers)", path.display());
+    let what = format!("the size in bytes of {} (write .fgb, or choose fewer receivers)", path.display());
     Error::Limit { what, value: bytes, max: u64::from(u32::MAX) }
 }
 
@@ -288,7 +288,7 @@ mod tests {
     /// Black, the middle and white of sRGB are 0, 21.4 % and all of the light; 3 names become
     /// identifiers.
     #[test]
-    fn light_and_names() {
+    fn middle_grey_is_a_fifth_of_the_light() {
         assert_eq!([0, 127, 255].map(linear), [0, 13_909, 65_535]);
         assert_eq!(["total_kwh_m2", "12 noon", "a-b"].map(identifier), ["total_kwh_m2", "_12_noon", "a_b"]);
     }

@@ -264,7 +264,7 @@ mod tests {
     /// side. Both views have one scale, none leaves its page, and a site of 2 m or of 1e12 m has a
     /// page of at most 1420 x 1200 points.
     #[test]
-    fn pages() {
+    fn both_views_fit_on_the_page_in_one_scale() {
         let views = [View::above(North::default()), View::south_west(North::default())];
         let of = |first: DVec2, second: DVec2| arranged(views, [[DVec2::ZERO, first], [DVec2::ZERO, second]]);
         let (wide, width, height) = of(DVec2::new(400.0, 100.0), DVec2::new(350.0, 260.0));

@@ -99,7 +99,7 @@ mod tests {
     /// picture of 400 x 150 pixels, dark left and bright right, on a scale from 0 to 1,500; an
     /// empty one is a white page.
     #[test]
-    fn small_pictures() {
+    fn a_thumbnail_is_dark_left_and_bright_right() {
         let half = |x: f64, value: f32| {
             let corner = |dx: f64, dy: f64| DVec3::new(x + dx, dy, 3.0);
             let ring = vec![corner(0.0, 0.0), corner(15.0, 0.0), corner(15.0, 10.0), corner(0.0, 10.0)];

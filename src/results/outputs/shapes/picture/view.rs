@@ -74,7 +74,7 @@ mod tests {
     /// face left and half towards the viewer, north walls away, and roofs towards the viewer by
     /// 0.643. Axes turned by 30 degrees still have true north up: 8 of 8 within 1e-9.
     #[test]
-    fn sides() {
+    fn from_above_east_is_right_and_north_is_up() {
         let [above, oblique] = [View::above, View::south_west].map(|view| view(North::default()));
         let near = |a: DVec3, b: [f64; 3]| assert!((a - DVec3::from_array(b)).length() < 1e-9, "{a}, not {b:?}");
         near(above.of(DVec3::new(3.0, 5.0, 7.0)), [3.0, 5.0, 7.0]);
