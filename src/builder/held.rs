@@ -23,7 +23,7 @@ pub fn check_scene(archive: &Archive) -> Result<()> {
         archive.path(),
         None,
         "the archive does not hold its scene, so what changes cannot be found",
-        "build it again without {no_scene}, or trace the changed scene from nothing: without {from}",
+        "build it again without {no_scene}, or trace the changed scene anew, without {from}",
     ))
 }
 
@@ -32,7 +32,7 @@ pub fn complete(archive: &Archive) -> Result<()> {
     if archive.manifest().preview.is_none() {
         return Ok(());
     }
-    let what = "the archive is a preview: some of it is from before its scene was changed";
+    let what = "the archive is a preview: part of its light is from before its scene was changed";
     Err(Error::input(archive.path(), None, what, "complete it: give the command that made it, without {preview}"))
 }
 

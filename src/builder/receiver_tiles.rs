@@ -287,7 +287,7 @@ mod tests {
     /// twice. 64 MiB, receivers from memory and a file in reverse order give the same tiles and the
     /// same hash. Each of 4 changes of a receiver changes the hash.
     #[test]
-    fn equals_the_plain_way() {
+    fn tiles_equal_those_of_reading_in_memory() {
         let mut rows = rows(20_000);
         let (folder, path) = Folder::with(&file(&rows));
         let mut plain_warnings = Vec::new();
@@ -326,7 +326,7 @@ mod tests {
     /// Nine broken files, among them duplicates before and after broken rows, are refused with the
     /// messages of the reader that works in memory.
     #[test]
-    fn refusals() {
+    fn broken_files_are_refused_as_in_memory() {
         let good = rows(4_000);
         let with = |changes: &[(usize, &str)]| {
             let mut rows = good.clone();
@@ -366,7 +366,7 @@ mod tests {
     /// A byte order mark, CRLF and quoted line ends are counted as the reader that works in memory
     /// counts them: the error is in line 6.
     #[test]
-    fn line_numbers() {
+    fn errors_name_the_line_of_the_file() {
         let text = "\u{feff}receiver,x,y,z,nx,ny,nz\r\n\"a\r\nb\",0,0,0,0,0,1\r\n\r\nc,0,0,0,0,0,1\r\nc,0,0,0,0,0,1";
         let (folder, path) = Folder::with(text);
         let message = folder.open(&path, 0).err().expect("refused").to_string();

@@ -179,7 +179,7 @@ fn wrong_build_options_name_the_allowed_values() {
         folder.refused(&format!("{build} --memory={memory}"), &["--memory", found, "MiB, GiB, MB or GB, as in 512MiB"]);
     }
     for command in ["ls", "verify", "gc --keep 1GiB"] {
-        folder.refused(&format!("store {command} ."), &["is no store", "a build with --store"]);
+        folder.refused(&format!("store {command} ."), &["is not a store", "a build with --store"]);
     }
     assert!(!folder.path("site.helio").exists());
 }
@@ -295,7 +295,7 @@ fn merged_parts_have_the_bytes_of_the_original() {
     folder.refused("extract site.helio -o x.helio", &["--receivers", "--bbox", "--surface"]);
     folder.refused("extract site.helio --bbox 0,0,1,1 --surface top -o x.helio", &["--bbox", "--surface"]);
     folder.refused("extract site.helio --bbox 0,0,1 -o x.helio", &["3 numbers", "xmin,ymin,xmax,ymax"]);
-    folder.refused("extract site.helio --bbox 5,0,1,1 -o x.helio", &["above its highest"]);
+    folder.refused("extract site.helio --bbox 5,0,1,1 -o x.helio", &["above its upper bound"]);
     folder.refused("extract site.helio --bbox 90,90,91,91 -o x.helio", &["site.helio", "none of the receivers"]);
     folder.refused("extract site.helio --surface top attic -o x.helio", &["site.helio", "1 surface: attic"]);
     folder.refused("extract site.helio --receivers conditions.csv -o x.helio", &["conditions.csv", "`receiver`"]);

@@ -96,7 +96,7 @@ fn stopped_by(name: &str, code: i32) {
     // The printed line, run by a shell, resumes the build.
     let on = Command::new("sh").args(["-c", again]).output().expect("a shell");
     let said = message(on.clone());
-    assert!(on.status.success() && said.contains("going on after"), "{said}");
+    assert!(on.status.success() && said.contains("continuing an interrupted build after"), "{said}");
     let whole = fs::read(&site).expect("an archive");
     fs::remove_file(&site).expect("removed");
     assert!(!kept.is_empty() && !log.exists());
@@ -121,7 +121,7 @@ fn full_disks_cost_what_follows_the_checkpoint() {
     let stopped = limited.arg(full.get_program()).args(full.get_args()).output().expect("a shell");
     assert_eq!(stopped.status.code(), Some(2));
     let said = message(stopped);
-    assert!(said.contains("site.helio.partial: ") && said.contains("the same command again to go on after"), "{said}");
+    assert!(said.contains("site.helio.partial: ") && said.contains("repeat the command to continue after"), "{said}");
     let done = build(&site, &[]).output().expect("a build");
     assert!(done.status.success(), "{}", message(done));
     assert!(fs::read(&site).expect("an archive") == expected);

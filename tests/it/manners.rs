@@ -234,7 +234,7 @@ fn output_extensions_are_checked_first() {
     folder.build();
     let before = names(&folder.path(""));
     let build = "build none.obj -m materials.toml -r receivers.csv -o";
-    folder.refused(&format!("{build} m.obj"), &["m.obj: is no name of an archive", "name it m.helio"]);
+    folder.refused(&format!("{build} m.obj"), &["m.obj: does not end with .helio", "name it m.helio"]);
     folder.refused(&format!("{build} m"), &["name it m.helio"]);
     folder.refused(&format!("{build} no/such/m.helio"), &["there is no folder no/such", "mkdir -p no/such"]);
     folder.refused(&format!("{build} scene.obj/m.helio"), &["scene.obj is no folder"]);

@@ -278,6 +278,6 @@ fn interrupted_repairs_are_resumed() {
     let output =
         good(&mut heliotile(&["repair"], &[&path, &data("scene.obj"), Path::new("-m"), &data("materials.toml")]));
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(said.contains("going on after 3 blocks"), "{said}");
+    assert!(said.contains("continuing an interrupted build after 3 blocks"), "{said}");
     assert!(fs::read(&path).expect("an archive") == whole);
 }

@@ -314,9 +314,11 @@ fn other_sites_are_not_merged() {
     folder.build("a.helio", &some, &coarse(), 0.4);
     folder.build("b.helio", &some, &BuildSettings { hit: 16, ..coarse() }, 0.5);
     let message = folder.refused("a.helio", "b.helio");
-    for part in
-        ["settings.hit is 8 there and 16 here", "materials.m1.diffuse is 0.4 there and 0.5 here", "content_hash"]
-    {
+    for part in [
+        "settings.hit is 8 in that archive and 16 in this one",
+        "materials.m1.diffuse is 0.4 in that archive and 0.5 in this one",
+        "content_hash",
+    ] {
         assert!(message.contains(part), "`{part}` is not in: {message}");
     }
     assert!(message.starts_with(&folder.path("b.helio").display().to_string()), "{message}");
@@ -399,7 +401,11 @@ fn unknown_blocks_and_keys_are_kept() {
     folder.forge("whole.helio", "b.helio", none, vec![later(1, b"other")], state("x"));
     assert!(folder.refused("a.helio", "b.helio").contains("1 conflict: block kind-77/1"));
     folder.forge("whole.helio", "b.helio", none, vec![], state("y"));
-    assert!(folder.refused("a.helio", "b.helio").contains("settings.later.key is \"x\" there and \"y\" here"));
+    assert!(
+        folder
+            .refused("a.helio", "b.helio")
+            .contains("settings.later.key is \"x\" in that archive and \"y\" in this one")
+    );
 }
 
 /// An archive whose receivers are not in the order of a build is refused by the name of the block,

@@ -306,13 +306,13 @@ fn build_from_an_archive_has_the_bytes_of_a_build() {
         assert!(bytes(&format!("a-{effects}.helio")) == bytes(&format!("again-{effects}.helio")), "{effects}");
         build("b", &format!("-o b-{effects}.helio"));
         let said = build("b", &format!("--from a-{effects}.helio -o from-{effects}.helio"));
-        assert!(said.contains("0 triangles of its 12 are gone, 10 came"), "{said}");
+        assert!(said.contains("0 triangles of its 12 were removed, 10 added"), "{said}");
         assert!(bytes(&format!("b-{effects}.helio")) == bytes(&format!("from-{effects}.helio")), "{effects}");
     }
     let said = done("build b.obj -m m.toml -r r.csv --effects all --set hit=16 --from a-all.helio -o other.helio");
     assert!(said.contains("a-all.helio: it was built with other settings (hit 32, now 16"), "{said}");
     let said = done("build far.obj -m m.toml -r r.csv --no-ground --effects all --from a-all.helio -o far.helio");
-    assert!(said.contains("a-all.helio: ") && said.contains("nothing of it is used"), "{said}");
+    assert!(said.contains("a-all.helio: ") && said.contains("nothing of it is reused"), "{said}");
     done("build a.obj -m m.toml -r r.csv --no-scene -o bare.helio");
     let refused = |line: &str, words: &[&str]| {
         let (code, said) = run(at, line);

@@ -94,7 +94,7 @@ impl ErrorConditions {
     /// Creates conditions from a weather file, and fails if it has no hour with light.
     pub fn of_weather(path: &Path, weather: Weather) -> Result<Self> {
         if !weather.conditions(1).iter().any(is_lit) {
-            let hint = "give a weather file of a longer time";
+            let hint = "give a weather file with hours of daylight";
             return Err(Error::input(path, None, "has no hour with light", hint));
         }
         let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();

@@ -219,7 +219,7 @@ mod tests {
     /// A site with twice the typical errors, tried at rungs 1, 2 and 4 of the sky, gets twice the
     /// typical error at all 6 rungs within 1e-9. Trials without any distance give no error.
     #[test]
-    fn a_typical_site() {
+    fn twice_the_typical_trials_give_twice_the_error() {
         let typical = typical(ErrorSource::Sky).percent;
         let distance = |rung: usize| (rung, 2.0 * typical[rung].hypot(typical[4]));
         let curve = Curve::through(ErrorSource::Sky, &[distance(1), distance(2)], 4);
@@ -233,7 +233,7 @@ mod tests {
     /// All 3 ladders have as many typical errors and costs as rungs, errors fall and costs rise. A
     /// typical site gets coarser rungs for 5 % than for 1 %, and the finest ones for 0.01 %.
     #[test]
-    fn cheaper_for_less() {
+    fn a_larger_error_allows_cheaper_rungs() {
         for (source, rungs) in ErrorSource::ALL.into_iter().zip([SKY_RUNGS, SEEN_RUNGS, BOUNCED_RUNGS]) {
             let typical = typical(source);
             assert_eq!((typical.percent.len(), typical.cost.len()), (rungs, rungs));
@@ -264,7 +264,7 @@ mod tests {
     /// sources keep at least half of their prediction, and a target of 2 % takes finer cells and
     /// nothing coarser.
     #[test]
-    fn what_the_judge_finds_goes_to_its_source() {
+    fn an_error_that_is_found_refines_its_source_only() {
         let mut curves = ErrorSource::ALL.map(|s| Curve { percent: typical(s).percent.to_vec() });
         curves[ErrorSource::Seen as usize].percent.fill(0.0);
         let mut errors = Errors { curves, patches: [0.27, 0.06, 0.01], lit: 1.0 };

@@ -248,7 +248,7 @@ mod tests {
 
     /// Rounding keeps four digits of 0.0123456 and leaves 0 alone: 2 of 2.
     #[test]
-    fn four_digits() {
+    fn rounding_keeps_four_digits() {
         assert_eq!((rounded(0.012_345_6), rounded(0.0)), (0.01235, 0.0));
     }
 }

@@ -215,7 +215,7 @@ mod tests {
     /// RMSE of sqrt(5), a bias of 1 and a mean absolute error of 2, the bounced part an RMSE of 1,
     /// and the seen part 0.
     #[test]
-    fn errors_by_source() {
+    fn errors_are_counted_by_source() {
         let row = |sun: f32, reflected: f32| [sun, 0.0, reflected, 0.0, 0.0, 0.0, 4.0, 0.0];
         let truth = Irradiances { conditions: 2, rows: vec![row(100.0, 5.0), row(50.0, 5.0)] };
         let light = Irradiances { conditions: 2, rows: vec![row(103.0, 6.0), row(49.0, 6.0)] };

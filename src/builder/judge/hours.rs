@@ -191,7 +191,7 @@ mod tests {
     /// 60 W/m2 of reflected light and 40 of sky are both kinds, 40 and 60 only the first. With 2
     /// W/m2 of direct sun the hour is neither, and neither is an overcast hour.
     #[test]
-    fn kinds_of_hours() {
+    fn hours_are_of_the_kind_that_decides_their_light() {
         let kinds = |light: [f64; PARTS]| HourKind::ALL.map(|kind| kind.holds(&light));
         assert_eq!(kinds(light(0.0, 40.0, 55.0, 5.0)), [true, true]);
         assert_eq!(kinds(light(0.5, 60.0, 35.0, 5.0)), [true, false]);
@@ -204,7 +204,7 @@ mod tests {
     /// eighth of the hours has an RMSE of 2 W/m2 of 50, all of it in the 20 W/m2 of reflected
     /// light. Mostly reflected hours do not occur and are not stated.
     #[test]
-    fn errors_of_hours_without_sun() {
+    fn only_hours_that_occur_state_an_error() {
         let result = |_: usize, condition: usize| match condition % 4 {
             0 => light(0.0, 30.0, 22.0, 0.0),
             _ => light(400.0, 100.0, 20.0, 5.0),

@@ -143,8 +143,12 @@ impl JudgedSky {
 /// Refuses a sky model that has no radiance everywhere.
 fn check(model: SkyModel) -> Result<()> {
     if model.brightens() {
-        let hint = "judge by perez, uniform or cie:N";
-        return Err(Error::argument("sky", "has a band at the horizon that is infinitely narrow", hint));
+        let hint = "give perez, uniform or cie:N";
+        return Err(Error::argument(
+            "sky",
+            "has an infinitely narrow bright band at the horizon, which the reference path tracer cannot sample",
+            hint,
+        ));
     }
     Ok(())
 }

@@ -79,7 +79,7 @@ impl Count {
 /// On ground of 40 km, tilted receivers match the isotropic closed form (Liu and Jordan 1963)
 /// within 3 standard errors in 97.5 % of 840 comparisons.
 #[test]
-fn open_ground() {
+fn tilted_receivers_on_open_ground_are_isotropic() {
     let mut triangles = Triangles::new();
     quad(&mut triangles, 0, DVec3::new(-2e4, -2e4, 0.0), DVec3::X * 4e4, DVec3::Y * 4e4);
     let (dni, dhi, albedo) = (800.0, 150.0, 0.3);
@@ -120,7 +120,7 @@ fn ordered([sun_direct, sky_direct, sun_diffuse, sky_diffuse, sun_specular, sky_
 /// (1 - R rho) of the light from above, and one that looks down from above gets R + T^2 rho / (1 -
 /// R rho), with R = 0.25 and T = 0.65: within 3 standard errors in 97.5 % of 240 comparisons.
 #[test]
-fn layers_of_leaves() {
+fn light_through_leaves_is_that_of_two_layers() {
     let mut triangles = Triangles::new();
     for (material, z) in [(0, 0.0), (1, 2.0)] {
         quad(&mut triangles, material, DVec3::new(-2e4, -2e4, z), DVec3::X * 4e4, DVec3::Y * 4e4);
@@ -150,7 +150,7 @@ fn layers_of_leaves() {
 /// lit strip, (cos a - cos b) / 2 by the altitudes of its edges, times the light that the wall
 /// reflects: within 3 standard errors in 97.5 % of 480 comparisons.
 #[test]
-fn lit_wall() {
+fn a_lit_wall_gives_its_view_factor() {
     let (dni, albedo, altitude) = (700.0, 0.6, 30.0_f64.to_radians());
     let condition = condition(90.0, 30.0, dni, 0.0);
     let wall_w_m2 = albedo * dni * altitude.cos();
@@ -180,7 +180,7 @@ fn lit_wall() {
 /// mean is right within 3 of its standard errors, and the squared standard error equals the squared
 /// difference within a quarter.
 #[test]
-fn sun_behind_an_edge() {
+fn an_edge_hides_its_share_of_the_sun() {
     let (dni, altitude) = (800.0, 30.0_f64.to_radians());
     let condition = condition(90.0, 30.0, dni, 100.0);
     let sky = JudgedSky::new(&condition, SkyModel::Uniform).expect("a sky");
@@ -215,7 +215,7 @@ fn sun_behind_an_edge() {
 /// as the uniform sky above. Receivers on floor and walls get all of DHI, within 3 standard errors
 /// in 97 % of 150 totals and within 0.6 % in their mean.
 #[test]
-fn furnace() {
+fn a_white_court_is_as_bright_as_the_sky() {
     for specular in [0.0, 0.5] {
         let mut triangles = Triangles::new();
         let (a, b, up) = (DVec3::X * 8.0, DVec3::Y * 5.0, DVec3::Z * 12.0);
@@ -247,7 +247,7 @@ fn furnace() {
 /// images of sun and sky, 1 and 3 images, within 3 standard errors in 97.5 % of 480 comparisons. A
 /// screen that lets 0.4 through leaves 0.4.
 #[test]
-fn images() {
+fn mirrors_give_the_light_of_their_images() {
     let (dni, dhi, share) = (600.0, 120.0, 0.7);
     let condition = condition(50.0, 40.0, dni, dhi);
     let sun = condition.sky_sun;
@@ -302,7 +302,7 @@ fn images() {
 /// An open level receiver gets DHI of the 16 CIE skies and of Perez' sky, within 3 standard errors
 /// and 0.5 %: 17 of 17.
 #[test]
-fn skies_are_level() {
+fn a_level_receiver_gets_dhi_of_every_sky() {
     let scene = Scene::from_triangles(&[([DVec3::ZERO, DVec3::X, DVec3::Y], 0)], vec![matt(0.2)]).expect("a scene");
     let prepared = PreparedScene::new(&scene).expect("a tree");
     let models = CieType::all().map(SkyModel::Cie).chain([SkyModel::Perez]);

@@ -79,7 +79,8 @@ impl<'a> Before<'a> {
     ) -> Result<Option<Self>> {
         let scene = ready.scene;
         check_scene(archive)?;
-        let useless = |why: &str| observer.warn(&format!("{}: {why}: nothing of it is used", archive.path().display()));
+        let useless =
+            |why: &str| observer.warn(&format!("{}: {why}: nothing of it is reused", archive.path().display()));
         if archive.manifest().settings.hash()? != settings.hash()? {
             let differ = archive.manifest().settings.differences(&settings.stated())?;
             useless(&format!("it was built with other settings ({})", differ.join("; ")));
@@ -88,7 +89,7 @@ impl<'a> Before<'a> {
         complete(archive)?;
         let traced = held_scene(archive)?;
         let Some(found) = SceneChange::between(&traced, scene) else {
-            useless("its coordinates are held in another frame, since the scene's size or its middle is another one");
+            useless("the scene has another size or centre, so its coordinates are stored in another frame");
             return Ok(None);
         };
         if found.removed.len() == traced.triangles.len() {
@@ -98,7 +99,7 @@ impl<'a> Before<'a> {
         observer.note(&match found.is_empty() {
             true => format!("{}: every triangle of the scene is the same", archive.path().display()),
             false => format!(
-                "{}: {} of its {} are gone, {} came",
+                "{}: {} of its {} were removed, {} added",
                 archive.path().display(),
                 counted(found.removed.len() as u64, "triangle"),
                 traced.triangles.len(),

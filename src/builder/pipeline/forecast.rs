@@ -228,8 +228,10 @@ impl Decision<'_> {
         let [probe_rays, bounce_rays] = sample.traced.rays;
         let (brightest, filled) = (bounds.brightest, filled(sample, bounds.brightest));
         let mirrors_seen = match sample.sees_mirrors || sample.traced.see_mirrors {
-            true => format!("{mirrors} orientations, seen; seconds of cells are in the lines above"),
-            false => format!("{mirrors} orientations; none was seen by the sample: what none sees is not stored"),
+            true => format!("{mirrors} orientations, seen by the sample; seconds of cells are in the lines above"),
+            false => {
+                format!("{mirrors} orientations; the sample sees none, and a mirror that nothing sees is not stored")
+            }
         };
         let mirror_rays = sample.rays[2] * count + probes * (1.0 + CELLS_PER_PROBE) * sample.traced.mirror_rays;
         let lines = vec![
@@ -248,7 +250,7 @@ impl Decision<'_> {
                 rays: probes * probe_rays,
                 seconds: probes * probe_s,
                 nothing: "no receiver sees a surface that reflects",
-                some: format!("surfaces of up to {brightest:.2} fill up to {filled:.0} % of a view"),
+                some: format!("surfaces of reflectance up to {brightest:.2} fill up to {filled:.0} % of a view"),
             }),
             self.line(EffectFacts {
                 name: "further bounces",
@@ -257,8 +259,11 @@ impl Decision<'_> {
                 bound_w_m2: bounds.bounces,
                 rays: bounces * bounce_rays,
                 seconds: bounces * bounce_s * (1.0 + SOLVING),
-                nothing: "no surface that is seen sees one that reflects",
-                some: format!("what is seen gets up to {:.1} % of its light from surfaces", bounds.others * 100.0),
+                nothing: "no surface in view sees one that reflects",
+                some: format!(
+                    "surfaces in view get up to {:.1} % of their light from other surfaces",
+                    bounds.others * 100.0
+                ),
             }),
             self.line(EffectFacts {
                 name: "mirrors and glass",

@@ -148,7 +148,8 @@ impl Build<'_> {
         })?;
         if let Some(done) = writer.resumed() {
             let megabytes = done.bytes as f64 / 1e6;
-            self.observer.warn(&format!("going on after {} blocks of {megabytes:.1} MB", done.blocks));
+            self.observer
+                .warn(&format!("continuing an interrupted build after {} blocks of {megabytes:.1} MB", done.blocks));
         }
         let tracer = SiteTracer::new(self.scene, settings, self.workspace, self.observer, facts, known, before);
         let traced = trace(&tracer, plan, self.receivers, &mut writer, &mut clock);

@@ -53,7 +53,7 @@ pub(super) fn kept(error: Error, kept: Option<Progress>) -> Error {
     match (error, kept) {
         (Error::Io { path, action, source }, Some(done)) => {
             let hint = format!(
-                "make room or mend what is wrong, then give the same command again to go on after {} blocks",
+                "free space or correct the cause, then repeat the command to continue after {} blocks",
                 done.blocks
             );
             let source = io::Error::new(source.kind(), format!("{source}\n  to fix: {hint}"));

@@ -111,7 +111,7 @@ impl Build<'_> {
     pub(super) fn keeping(&self, percent: f64, before: &Before, settings: &BuildSettings) -> Option<Keeping> {
         if self.scene.reflects(settings) || before.file.has(format::MIRRORS, TileNumber::FIRST) {
             self.observer.warn(
-                "the scene has mirrors, by which a change may show anywhere: {preview} keeps nothing, the archive is whole",
+                "the scene has mirrors, so a change may show anywhere: {preview} has no effect, and the whole archive is built",
             );
             return None;
         }
@@ -410,7 +410,7 @@ impl SiteTracer<'_> {
     pub(super) fn keep_responses(&self, copied: &[CopiedTile], writer: &mut Writer) -> Result<()> {
         let (Some(before), Some(keeping)) = (&self.before, self.keeping()) else { return Ok(()) };
         if !before.same_light {
-            self.observer.note("materials reflect or transmit another share: all reflected light is derived again");
+            self.observer.note("reflectances or transmittances have changed: all reflected light is calculated again");
             return Ok(());
         }
         let alters = std::mem::take(&mut *keeping.alters.lock().unwrap_or_else(PoisonError::into_inner));

@@ -104,7 +104,7 @@ impl<'a> SiteTracer<'a> {
     pub fn checkpoint(&self, writer: &mut Writer) -> Result<()> {
         if self.keeping().is_some() {
             // A preview takes seconds, so it is not resumed.
-            let stopped = || Error::Stopped { what: "before the preview was whole".into() };
+            let stopped = || Error::Stopped { what: "before the preview was complete".into() };
             return if self.observer.cancelled() { Err(stopped()) } else { Ok(()) };
         }
         if !self.observer.cancelled() {

@@ -118,8 +118,8 @@ pub(super) fn warnings(misplaced: &[Misplaced]) -> Vec<String> {
         ),
         say(
             touching,
-            "has a surface right in front of it, is it on its right side?",
-            "have a surface right in front of them, are they on its right side?",
+            "has a surface right in front of it: check that it is on the right side",
+            "have a surface right in front of them: check that they are on the right side",
         ),
     ]
     .into_iter()

@@ -209,7 +209,7 @@ mod tests {
     /// group loses less than that of bounces, 0.7 % leaves out both, 1.3 % all three and with them
     /// scattering leaves. Where nothing is lost, a limit of 0 leaves out all five.
     #[test]
-    fn least_goes_first() {
+    fn the_effect_that_loses_least_is_left_out_first() {
         let some = losses(&[[9.0, 2.0, 3.0, 50.0, 50.0], [3.0, 4.0, 0.0, 50.0, 50.0]]);
         for (percent, names) in [
             (0.2, vec![]),
@@ -226,7 +226,7 @@ mod tests {
     /// 1.05 x 2.5 + 3 sqrt(0.04 / 4 + 0.5 x 1.25 / 3). If the group has only these 4, the second
     /// part of the root is 0.
     #[test]
-    fn bounds_of_samples() {
+    fn bounds_hold_the_spread_of_the_sample() {
         let asked = |i: usize| {
             let mut year = Judged::default();
             (year.by_effect[1], year.by_effect_error[1]) = (1.0 + i as f64, 0.2);

@@ -51,7 +51,7 @@ impl AccuracyRequest {
     pub fn settings(&self) -> Result<BuildSettings> {
         if self.error_percent.is_some_and(|percent| !Self::ERRORS.contains(&percent)) {
             let hint = format!("give {} to {} percent", Self::ERRORS.start(), Self::ERRORS.end());
-            return Err(Error::argument("error", "is no error to aim at", hint));
+            return Err(Error::argument("error", "is not a possible target", hint));
         }
         let mut settings = Rungs::of(self.quality).settings();
         self.set.iter().try_for_each(|text| settings.set(text))?;
@@ -89,7 +89,7 @@ pub fn check_preview(percent: Option<f64>) -> Result<()> {
         return Ok(());
     }
     let hint = format!("give {} to {} percent", PREVIEWS.start(), PREVIEWS.end());
-    Err(Error::argument("preview", "is no bound for a preview", hint))
+    Err(Error::argument("preview", "is not a possible bound for a preview", hint))
 }
 
 /// Bounds that a preview may have, percent of the light on open ground.
@@ -133,7 +133,11 @@ impl Build<'_> {
     pub fn plan_and_write(mut self, request: &BuildRequest, output: &Output) -> Result<BuildDone> {
         check_preview(request.preview_percent)?;
         if request.preview_percent.is_some() && request.from.is_none() {
-            return Err(Error::argument("preview", "asks for an archive of the scene before it was changed", "{from}"));
+            return Err(Error::argument(
+                "preview",
+                "needs an archive of the scene before it was changed",
+                "give it with {from}",
+            ));
         }
         let planned = self.decide(request)?;
         let observer = self.observer;
@@ -166,7 +170,7 @@ mod tests {
 
     /// `weather_options` are in the JSON only if they differ from the default: 1 of 2 requests.
     #[test]
-    fn what_is_said_of_weather_is_kept() {
+    fn only_stated_weather_options_are_kept() {
         let plain = AccuracyRequest { error_percent: Some(2.0), ..AccuracyRequest::default() };
         let weather_options = WeatherOptions { zone_hours: Some(1.0), ..WeatherOptions::default() };
         let clocked = AccuracyRequest { weather_options, ..plain.clone() };

@@ -63,8 +63,8 @@ pub fn losses(losses: &YearLosses) -> String {
         false => counted(losses.receivers as u64, "receiver"),
     };
     out += &format!(
-        "sums over {} of {asked}: means of groups by the sky that they see, and the most that they lose\n\
-         without an effect (without canopies: gain); diffuse holds bounces; {:.1} s\n",
+        "sums over {} of {asked}: means of groups of receivers by sky view, and the most that a group loses\n\
+         without an effect (without canopies: gains); diffuse includes bounces; {:.1} s\n",
         losses.weather, losses.seconds
     );
     out
@@ -138,7 +138,7 @@ pub fn outcome(choice: &SettingsChoice, expected_s: f64, taken_s: f64) -> String
     }
     let _ = writeln!(
         out,
-        "time: {expected_s:.1} s expected, {taken_s:.1} s taken, besides the pilot's {:.1} s",
+        "time: {expected_s:.1} s expected, {taken_s:.1} s taken, after {:.1} s to choose the settings",
         choice.pilot_s
     );
     out
@@ -179,8 +179,8 @@ pub fn summary(report: &BuildReport, scene: &Scene, output: &Path) -> String {
         lost => {
             let [receivers, cells] = lost.map(|share| share * 100.0);
             format!(
-                "  behind {MOST_MIRRORS} mirrors, where no light is followed, lies at most {receivers:.1} % of what a receiver sees, \
-                 {cells:.1} % of what a cell sees\n"
+                "  light is not followed beyond {MOST_MIRRORS} mirrors: at most {receivers:.1} % of the view of a receiver, {cells:.1} \
+                 % of the view of a cell\n"
             )
         }
     };
@@ -188,7 +188,7 @@ pub fn summary(report: &BuildReport, scene: &Scene, output: &Path) -> String {
     let kept = report.kept.map_or_else(String::new, |kept| {
         let share = |count: u64, all: u64| format!("{:.1} %", 100.0 * count as f64 / all.max(1) as f64);
         format!(
-            "  as before: {} of the receivers, {} of the probes, {} of the bounce cells\n",
+            "  reused: {} of the receivers, {} of the probes, {} of the bounce cells\n",
             share(kept.receivers, counts.receivers),
             share(kept.probes, counts.probes),
             share(kept.bounce_cells, counts.bounce_cells)

@@ -147,7 +147,7 @@ mod tests {
     /// Lists come back as they were written. Bounces imply diffuse light (2 effects), leaves imply
     /// canopies and diffuse light (3). An unknown or empty name is refused with all 5 names.
     #[test]
-    fn lists() {
+    fn effects_imply_those_they_need() {
         for text in ["auto", "all", "none", "mirrors", "diffuse,bounces", "diffuse,mirrors"] {
             assert_eq!(text.parse::<EffectChoice>().expect(text).to_string(), text);
         }

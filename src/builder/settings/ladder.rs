@@ -105,7 +105,7 @@ mod tests {
     /// All 4 named rungs are in range, are recognised from their settings, and are finer than the
     /// one before in every ladder. Settings with 1 changed number are no named rung.
     #[test]
-    fn rungs() {
+    fn each_rung_is_finer_than_the_one_before() {
         for quality in Quality::ALL {
             let settings = Rungs::of(quality).settings();
             settings.check().expect("in range");

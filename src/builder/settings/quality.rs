@@ -38,8 +38,8 @@ impl Quality {
 impl NamedValues for Quality {
     const VALUES: &'static [(&'static str, &'static str, Self)] = &[
         ("draft", "A quick look", Quality::Draft),
-        ("standard", "Near the knee of error against time", Quality::Standard),
+        ("standard", "The best balance of error and time", Quality::Standard),
         ("fine", "For publication", Quality::Fine),
-        ("reference", "To judge the others by", Quality::Reference),
+        ("reference", "To check the others against", Quality::Reference),
     ];
 }

@@ -138,7 +138,7 @@ impl BuildSettings {
         let name = name.trim();
         let number = value.trim().parse::<f64>().ok().filter(|v| v.is_finite() && *v >= 0.0);
         let Some(number) = number else {
-            return Err(wrong(format!("`{value}` is not a number for {name}"), "give a number above zero"));
+            return Err(wrong(format!("`{value}` is not a number for {name}"), "give a number from 0"));
         };
         let Some(setting) = SETTINGS.iter().find(|setting| setting.name == name) else {
             let mut names: Vec<&str> = SETTINGS.iter().map(|setting| setting.name).collect();
@@ -181,8 +181,8 @@ impl BuildSettings {
 
 impl NamedValues for Share {
     const VALUES: &'static [(&'static str, &'static str, Self)] = &[
-        ("cells", "All receivers that see a cell", Share::Cells),
-        ("none", "Nobody: a hemisphere of its own for every hit", Share::None),
+        ("cells", "All receivers that see a cell share its hemisphere", Share::Cells),
+        ("none", "No receivers share: every hit has a hemisphere of its own", Share::None),
     ];
 }
 
@@ -193,7 +193,7 @@ mod tests {
     /// Settings of another tracing version have another hash: 2 hashes of 2 versions, 1 hash of
     /// equal settings.
     #[test]
-    fn tracing_is_named() {
+    fn another_tracing_version_has_another_hash() {
         let now = BuildSettings::default().stated();
         let before = Settings { tracing: now.tracing - 1, ..now.clone() };
         assert_eq!(now.hash().expect("a hash"), BuildSettings::default().hash().expect("a hash"));
@@ -203,7 +203,7 @@ mod tests {
     /// Twelve settings can be set by name. 12 wrong texts are refused by name, and the defaults are
     /// in range.
     #[test]
-    fn settings_by_name() {
+    fn wrong_settings_are_refused_by_name() {
         let mut settings = BuildSettings::default();
         settings.check().expect("the defaults");
         assert_eq!(BuildSettings::of(&settings.stated()), settings);

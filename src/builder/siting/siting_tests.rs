@@ -31,7 +31,7 @@ fn scene(outwards: bool) -> Scene {
 /// From above, a house of 6 m is found by its roof, the lawn at 0 m, and nothing beyond it. Through
 /// the roof the ground is found: 4 of 4.
 #[test]
-fn what_lies_below() {
+fn a_house_is_found_by_its_roof_from_above() {
     let scene = scene(true);
     let prepared = PreparedScene::new(&scene).expect("a tree");
     let siting = Siting::new(&prepared);
@@ -47,7 +47,7 @@ fn what_lies_below() {
 /// A point in a house is inside, whether its faces look out or in. One below the lawn is below the
 /// ground, and 3 around them are in the open.
 #[test]
-fn inside_and_below() {
+fn points_in_houses_and_below_ground_are_found() {
     for outwards in [true, false] {
         let scene = scene(outwards);
         let prepared = PreparedScene::new(&scene).expect("a tree");
@@ -64,7 +64,7 @@ fn inside_and_below() {
 /// corners at 26.6 degrees off, and 0 behind, within 0.01 degrees in 360 directions. With a first
 /// direction of 90 degrees the list begins there.
 #[test]
-fn horizon_of_a_wall() {
+fn the_horizon_of_a_wall_is_its_angle() {
     let scene = scene(true);
     let prepared = PreparedScene::new(&scene).expect("a tree");
     let siting = Siting::new(&prepared);

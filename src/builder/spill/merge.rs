@@ -215,7 +215,7 @@ mod tests {
     /// For 30 budgets from 64 KiB to 32 GiB and records of up to a fifth of them, the buffers and
     /// records of every pass fit the budget.
     #[test]
-    fn plans_fit() {
+    fn every_pass_fits_the_budget() {
         for budget in (0..20).map(|i| 65536_usize << i).chain((0..10).map(|i| 100_000 * (i + 1))) {
             for largest in [9, 100, 5_000, budget / 5] {
                 let plan = Plan::new(budget, largest);

@@ -152,7 +152,7 @@ mod tests {
     /// A file that lost its last 1 or 30 bytes, or whose lengths point beyond the run, gives an
     /// error that names the folder.
     #[test]
-    fn short_reads() {
+    fn a_shortened_run_is_an_error_that_names_the_folder() {
         let folder = tempfile::tempdir().expect("a scratch folder");
         let write = || {
             let mut writer = RunWriter::create(folder.path(), 16).expect("created");

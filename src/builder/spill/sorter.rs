@@ -268,7 +268,7 @@ mod tests {
     /// merged in passes. The result equals the stable sort in memory and, for unique keys, its
     /// first records. Neither 64 KiB nor 1 MiB of budget is ever exceeded.
     #[test]
-    fn equals_the_stable_sort() {
+    fn sorting_by_runs_equals_the_stable_sort() {
         let folder = tempfile::tempdir().expect("a scratch folder");
         let mut random = Random(0x2545_f491_4f6c_dd1d);
         let records: Records = (0..100_000).map(|_| (random.bytes(0, 13, 3), random.bytes(0, 40, 256))).collect();
@@ -303,7 +303,7 @@ mod tests {
 
     /// Three records of up to four times the budget among 2,000 small ones are sorted correctly.
     #[test]
-    fn records_beyond_the_budget() {
+    fn records_larger_than_the_budget_are_sorted() {
         let folder = tempfile::tempdir().expect("a scratch folder");
         let mut random = Random(7);
         let mut records: Records = (0..2_000).map(|_| (random.bytes(4, 1, 256), random.bytes(0, 60, 256))).collect();

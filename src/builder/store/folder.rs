@@ -19,13 +19,13 @@ pub struct Folder {
 impl Folder {
     /// Opens a folder that is a store: an empty one, or one that holds the folder of a scene.
     pub fn open(path: &Path) -> Result<Self> {
-        let refuse = |what: &str| Err(Error::input(path, None, what, "name a folder that a build with {store} made"));
+        let refuse = |what: &str| Err(Error::input(path, None, what, "give a folder that a build with {store} made"));
         if !path.is_dir() {
             return refuse("is not a folder");
         }
         let entries = entries(path)?;
         if !entries.is_empty() && !entries.iter().any(|entry| is_name(&entry.file_name()) && entry.path().is_dir()) {
-            return refuse("is no store");
+            return refuse("is not a store");
         }
         Ok(Folder { path: path.to_path_buf() })
     }

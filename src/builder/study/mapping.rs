@@ -120,7 +120,7 @@ mod tests {
     /// whose weights are all 1 / N, within 0.32 / N by longitude and latitude and within 2.1 / N by
     /// solid angle (cosines at centres). In the last two, solid angles sum to 2 pi within 1e-12.
     #[test]
-    fn weights() {
+    fn weights_sum_to_1_in_every_map() {
         for (mapping, n) in HemisphereMapping::ALL.into_iter().flat_map(|m| [16, 32, 64].map(|n| (m, n))) {
             let rays = mapping.rays(n);
             let (sum, texels) = (rays.iter().map(|ray| ray.weight).sum::<f64>(), (n * n) as f64);
@@ -143,7 +143,7 @@ mod tests {
     /// Names come back as they were written, 3 of 3. An unknown one is refused with all three
     /// names.
     #[test]
-    fn names() {
+    fn names_of_maps_come_back_as_written() {
         for mapping in HemisphereMapping::ALL {
             assert_eq!(mapping.to_string().parse(), Ok(mapping));
         }

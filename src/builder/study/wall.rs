@@ -55,7 +55,7 @@ mod tests {
     /// A wall that touches the receiver fills its view (1 within 1e-3 at 1 mm); one at 50 m has
     /// area / (pi d^2) within 1.5 %.
     #[test]
-    fn limits() {
+    fn a_wall_that_touches_fills_the_view() {
         assert!((wall(0.001).form_factor(DVec2::ZERO) - 1.0).abs() < 1e-3);
         let far = 100.0 / (PI * 2500.0);
         assert!((wall(50.0).form_factor(DVec2::ZERO) / far - 1.0).abs() < 0.015);
@@ -63,7 +63,7 @@ mod tests {
 
     /// Two halves sum to the whole within 1e-12, from 3 places in front of the wall and beside it.
     #[test]
-    fn parts() {
+    fn two_halves_of_a_wall_sum_to_the_whole() {
         for at in [DVec2::ZERO, DVec2::new(2.0, -3.5), DVec2::new(30.0, 7.0)] {
             let half = Wall { width_m: 5.0, ..wall(4.0) };
             let parts = [-2.5, 2.5].map(|x| half.form_factor(at - DVec2::new(x, 0.0)));

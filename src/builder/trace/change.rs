@@ -225,7 +225,7 @@ mod tests {
     /// balls of its place, by the balls for places within 5 m and by the cone around its direction.
     /// Over 150 rays meet one, and fewer than 16 times as many are predicted to.
     #[test]
-    fn what_is_met_is_expected() {
+    fn every_ray_that_meets_a_change_is_predicted() {
         let random = |i: u64, k: u64| unit(mix(i, k)) - 0.5;
         let point = |i: u64, size: f64| DVec3::new(random(i, 1), random(i, 2), random(i, 3)) * size;
         let triangle = |i: u64| {

@@ -215,7 +215,7 @@ mod tests {
     /// walls in a street without sky are not. Seen from within a house, 1 of its walls is not
     /// hidden either.
     #[test]
-    fn what_is_hidden() {
+    fn places_in_party_walls_are_hidden() {
         let scene = row();
         let tracer = Tracer::new(&scene.mesh).expect("a tree");
         let is_hidden = |at: DVec3, normal: DVec3, inside: bool| {
@@ -242,7 +242,7 @@ mod tests {
     /// Light reaches the 2 places in the street in front of three houses, and not the 3 places
     /// inside houses and below the ground.
     #[test]
-    fn what_light_reaches() {
+    fn light_reaches_the_street_and_not_the_houses() {
         let scene = row();
         let tracer = Tracer::new(&scene.mesh).expect("a tree");
         let reached =

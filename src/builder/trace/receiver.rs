@@ -291,7 +291,7 @@ mod tests {
     /// cast one by one, on every processor level of this machine. Of over 100,000 rays at least a
     /// fifth hit something and at least a fifth do not.
     #[test]
-    fn sky_of_single_rays() {
+    fn skies_equal_those_of_single_rays() {
         let scene = scene();
         let views = [
             (DVec3::new(0.0, 0.0, 1.0), DVec3::Z),

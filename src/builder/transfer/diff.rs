@@ -47,7 +47,7 @@ impl Differences {
         if found.is_equal() {
             let roots = match found.same_root {
                 true => "and so are the roots",
-                false => "but not the roots: cut or packed in another way, or written by another release",
+                false => "but the roots differ: tiled or compressed in another way, or written by another release",
             };
             return format!("equal, {roots}\n");
         }

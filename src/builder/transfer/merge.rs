@@ -71,8 +71,8 @@ fn check_fit(a: &Archive, b: &Archive) -> Result<()> {
     let found: Vec<String> = differences(a, b)?
         .into_iter()
         .filter(|difference| of_the_site(&difference.item))
-        .map(|d| format!("{} is {} there and {} here", d.item, d.values[0], d.values[1]))
-        .chain(renamed(a, b).then(|| "objects have other names here".to_owned()))
+        .map(|d| format!("{} is {} in that archive and {} in this one", d.item, d.values[0], d.values[1]))
+        .chain(renamed(a, b).then(|| "objects have other names".to_owned()))
         .collect();
     if found.is_empty() {
         return Ok(());

@@ -39,7 +39,7 @@ impl Bounds {
             _ => return Err(format!("{} numbers, not 4 or 6: give xmin,ymin,xmax,ymax[,zmin,zmax]", numbers.len())),
         };
         if !low.cmple(high).all() {
-            return Err("a lowest value is above its highest: give xmin,ymin,xmax,ymax[,zmin,zmax]".into());
+            return Err("a lower bound is above its upper bound: give xmin,ymin,xmax,ymax[,zmin,zmax]".into());
         }
         Ok(Bounds { low, high })
     }
@@ -71,7 +71,7 @@ impl Selection {
                 let (kept, missing) = by_id(ids.iter().map(|id| Ok((id.clone(), 0))), sites, folder, budget_bytes)?;
                 if missing.count > 0 {
                     let what = format!("{} {}", none(sites, NOT_HELD), missing.listed(|id, _| id.to_owned()));
-                    return Err(Error::input(first(sites), None, what, "name receivers as `receivers.csv` does"));
+                    return Err(Error::input(first(sites), None, what, "use the names in `receivers.csv`"));
                 }
                 kept
             }
@@ -184,7 +184,7 @@ fn named(names: &[String], thing: &str, of: &[NameOf], sites: &[OpenSite]) -> Re
         listed(missing.len() as u64, thing, &names)
     );
     let hint =
-        format!("name {thing}s as `receivers.csv` does; {{surface}} takes surfaces, {{object}} objects and buildings");
+        format!("use the names in `receivers.csv`; {{surface}} is for surfaces, {{object}} for objects and buildings");
     Err(Error::input(first(sites), None, found, hint))
 }
 
@@ -197,7 +197,7 @@ fn listed_in(file: &Path, sites: &[OpenSite], folder: &Path, budget_bytes: usize
     }
     let names = missing.listed(|id, line| format!("{id} (line {line})"));
     let what = format!("{} {} {names}", first(sites).display(), none(sites, NOT_HELD));
-    Err(Error::input(file, None, what, "remove these rows, or name the archive that holds them"))
+    Err(Error::input(file, None, what, "remove these rows, or give the archive that holds them"))
 }
 
 /// Ids that no archive holds.

@@ -34,7 +34,7 @@ pub fn guard_archive(output: &Path) -> Result<()> {
     match starts_as_archive(output) {
         Some(false) => {
             let hint = "give the archive a name of its own, or remove the file";
-            Err(Error::input(output, None, "exists and is not an archive, it would be replaced", hint))
+            Err(Error::input(output, None, "exists and is not an archive; it would be replaced", hint))
         }
         _ => Ok(()),
     }
@@ -48,7 +48,7 @@ pub fn check_archive_name(path: &Path) -> Result<()> {
         return Ok(());
     }
     let hint = format!("name it {}", path.with_extension("helio").display());
-    Err(Error::input(path, None, "is no name of an archive: it ends with .helio", hint))
+    Err(Error::input(path, None, "does not end with .helio, the ending of archives", hint))
 }
 
 /// Returns true if a file is an archive by its name or by its first bytes. Every web address counts
@@ -81,7 +81,7 @@ mod tests {
     /// A note of 4 bytes, shorter than the first bytes of an archive, is refused as an output. An
     /// empty file and a missing one are not.
     #[test]
-    fn short_files() {
+    fn a_note_of_4_bytes_is_not_replaced() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("site.helio");
         assert!(guard_archive(&path).is_ok());

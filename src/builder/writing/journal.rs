@@ -245,7 +245,7 @@ impl Found {
         }
         let mut what = format!("is an interrupted build that differs in: {}", differences.join(", "));
         if self.header.program != ours.program {
-            what += &format!(" (it is of {}, this is {})", text(&self.header.program), text(&ours.program));
+            what += &format!(" (it was written by {}, this is {})", text(&self.header.program), text(&ours.program));
         }
         Err(Error::Incomplete { partial: partial.to_path_buf(), what, hint: REMOVE.to_string() })
     }

@@ -140,7 +140,7 @@ fn another_job_is_refused_by_name() {
         (Job { scene: [9; 32], ..JOB }, &ours, vec!["scene"]),
         (Job { receivers: [9; 32], ..JOB }, &ours, vec!["receivers"]),
         (Job { settings: [9; 32], ..JOB }, &ours, vec!["settings"]),
-        (JOB, &later, vec!["program version (it is of heliotile 1.1.0, "]),
+        (JOB, &later, vec!["program version (it was written by heliotile 1.1.0, "]),
         (JOB, &newer, vec!["program version"]),
         (Job { scene: [9; 32], receivers: [9; 32], settings: [9; 32] }, &newer, names.to_vec()),
     ];
@@ -223,7 +223,7 @@ fn a_stale_journal_is_dropped() {
 /// A dropped writer leaves 2 files after a checkpoint and 0 before one. `keep` writes the
 /// checkpoint. A checkpoint without new blocks takes 0 operations.
 #[test]
-fn what_a_dropped_writer_leaves() {
+fn a_dropped_writer_leaves_its_checkpoint() {
     let build = Build::new();
     let path = Path::new("site.helio");
     let left = |blocks: usize, checkpoint: bool, keep: bool| {

@@ -188,7 +188,7 @@ def test_update_is_the_programs(site: heliotile.Archive, tmp_path: Path) -> None
     assert (tmp_path / "program.helio").read_bytes() == (tmp_path / "preview.helio").read_bytes()
     with pytest.raises(heliotile.InputError, match="is a preview"):
         seen.update(tmp_path / "no.helio", remove=["tower"])
-    with pytest.raises(heliotile.ArgumentError, match="is no bound for a preview"):
+    with pytest.raises(heliotile.ArgumentError, match="is not a possible bound for a preview"):
         site.update(tmp_path / "no.helio", remove=["tower"], preview=200)
     with pytest.raises(heliotile.ArgumentError, match="no object or building `towr`"):
         after.update(tmp_path / "no.helio", move={"towr": (1, 2, 3)})

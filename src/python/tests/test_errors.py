@@ -204,7 +204,7 @@ def test_names_of_files(scene: heliotile.Scene, site: heliotile.Archive, tmp_pat
     for output in (mine, tmp_path / "r.parquet"):
         with pytest.raises(heliotile.InputError, match="does not end with .csv"):
             scene.cover(output)
-    with pytest.raises(heliotile.InputError, match="it ends with .helio"):
+    with pytest.raises(heliotile.InputError, match="does not end with .helio"):
         heliotile.build(scene, receivers, tmp_path / "site.csv")
     with pytest.raises(heliotile.InputError, match="only `copy` writes"):
         heliotile.build(scene, receivers, "s3://bucket/site.helio")
@@ -225,7 +225,7 @@ def test_builds(scene: heliotile.Scene, site: heliotile.Archive, tmp_path: Path)
     out = tmp_path / "site.helio"
     for change, text in [
         ({"quality": "best"}, "quality: `best` is not a known value"),
-        ({"error": 99}, "error: is no error to aim at"),
+        ({"error": 99}, "error: is not a possible target"),
         ({"settings": {"hit": 3}}, "hit"),
         ({"effects": "magic"}, "effects: "),
         ({"checkpoint": -1}, "checkpoint: "),

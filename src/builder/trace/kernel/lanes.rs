@@ -428,7 +428,7 @@ mod tests {
 
     /// Every level of this machine gives the same bits as the baseline, on 1,000 pairs of vectors.
     #[test]
-    fn levels_agree() {
+    fn all_processor_levels_give_equal_bits() {
         for round in 0..1000_u32 {
             let number = |i: usize, salt: u32| {
                 let h = (i as u32 + 17 * round + salt).wrapping_mul(2_654_435_761);

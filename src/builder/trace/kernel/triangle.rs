@@ -168,7 +168,7 @@ mod tests {
     /// and up to 1 km away, and on 99 % of the distances to 1e-4 (a triangle seen edge-on has no
     /// sharp distance in f32).
     #[test]
-    fn agrees_with_f64() {
+    fn f32_agrees_with_f64_on_hit_and_miss() {
         let mut state = 3;
         let mut random = |scale: f64| {
             [(); 3].map(|()| {
