@@ -527,7 +527,7 @@ pub fn summary(covered: &PlacedReceivers, scene: &Scene) -> String {
     if !covered.beside.is_empty() {
         let types: Vec<&str> = covered.beside.keys().map(String::as_str).collect();
         let area: f64 = covered.beside.values().sum();
-        line(format!("left out: {area:.1} m2 of objects that are no buildings ({{types}} {})", types.join(",")));
+        line(format!("left out: {area:.1} m2 of objects that are not buildings ({{types}} {})", types.join(",")));
     }
     if !scene.report.warnings.is_empty() {
         line(format!("{} above", counted(scene.report.warnings.len() as u64, "warning")));

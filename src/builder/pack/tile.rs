@@ -47,7 +47,7 @@ pub fn extra(kind: BlockKind, number: TileNumber, rows: Vec<Vec<u8>>) -> Result<
 pub fn responses(number: TileNumber, responses: &[Response]) -> Result<EncodedBlock> {
     let raw = response::pack(responses).ok_or_else(|| Error::Unsupported {
         what: "writing responses".into(),
-        found: "textures whose side is no multiple of 8".into(),
+        found: "textures whose side is not a multiple of 8".into(),
         supported: "sides of 8, 16, ... texels: {set} probe=16".into(),
     })?;
     layer(format::RESPONSE, number, responses.len(), &raw)

@@ -202,8 +202,8 @@ impl Decision<'_> {
                     None => format!("at most {NEGLIGIBLE_W_M2} W/m2: negligible"),
                 }
             }
-            (EffectChoice::These(_), true) => "asked for".into(),
-            (EffectChoice::These(_), false) => "not asked for".into(),
+            (EffectChoice::These(_), true) => "requested".into(),
+            (EffectChoice::These(_), false) => "not requested".into(),
         };
         Line { name, effect: Some(effect), on, rays, seconds, bound_w_m2: Some(bound_w_m2), why }
     }

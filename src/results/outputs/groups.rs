@@ -221,7 +221,7 @@ impl GroupMeans {
             return Err(Error::Limit {
                 what: format!(
                     "the memory of sums, in bytes, for {s} rows of names, {labels} rows of each and {c} columns (raise {{memory}}, \
-                     take fewer {{columns}} or a longer {{every}})"
+                     choose fewer {{columns}} or a longer {{every}})"
                 ),
                 value: bytes,
                 max: memory_bytes,

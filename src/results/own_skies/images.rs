@@ -90,7 +90,7 @@ pub(super) fn read_image(path: &Path, bytes: &[u8], levels: Levels, top_azimuth_
     for (column, row, number) in image.inside() {
         if !quantity.holds(f64::from(number)) {
             let what = format!("pixel {column}, {row} from the top left is {number}");
-            return Err(Error::input(path, None, what, format!("{}: mend the picture", quantity.range())));
+            return Err(Error::input(path, None, what, format!("{}: correct the picture", quantity.range())));
         }
         is_black &= number == 0.0;
     }

@@ -58,11 +58,11 @@ pub fn city_model_of(site: &Site) -> Result<&Path> {
             let text = input::read(only)?;
             if !text.windows(CITY_JSON.len()).any(|part| part == CITY_JSON) {
                 let what = format!("`{}` is not CityJSON", only.display());
-                return refuse(&what, "give the scene as CityJSON, or take another map");
+                return refuse(&what, "give the scene as CityJSON, or choose another map");
             }
             Ok(only)
         }
-        [] => refuse("no file of the scene is CityJSON", "give the scene as CityJSON, or take another map"),
+        [] => refuse("no file of the scene is CityJSON", "give the scene as CityJSON, or choose another map"),
         _ => refuse(
             "several files of the scene may be CityJSON",
             "replay site.helio with {model} FILE.city.json {output} OUT.city.json, once for each",

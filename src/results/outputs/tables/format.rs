@@ -78,7 +78,7 @@ pub enum Format {
 impl Format {
     /// Endings of names, a remark for users about each, and the format.
     pub const ENDINGS: [(&'static str, &'static str, Format); 6] = [
-        ("csv", "with .csv-metadata.json beside it, which says what its columns are", Format::Csv),
+        ("csv", "with .csv-metadata.json beside it, which describes its columns", Format::Csv),
         ("parquet", "", Format::Parquet),
         ("arrow", "", Format::Arrow),
         ("feather", "compressed Arrow", Format::Feather),
