@@ -183,8 +183,9 @@ fn named(names: &[String], thing: &str, of: &[NameOf], sites: &[OpenSite]) -> Re
         none(sites, ["holds no", "hold no"]),
         listed(missing.len() as u64, thing, &names)
     );
-    let hint =
-        format!("use the names in `receivers.csv`; {{surface}} is for surfaces, {{object}} for objects and buildings");
+    let hint = format!(
+        "use the {thing} names in `receivers.csv`; {{surface}} is for surfaces, {{object}} for objects and buildings"
+    );
     Err(Error::input(first(sites), None, found, hint))
 }
 
