@@ -18,7 +18,7 @@ pub struct VerifyArgs {
     /// Also decode every layer and follow every reference between blocks
     #[arg(long)]
     pub deep: bool,
-    /// How the archive is read
+    /// Way to read the archive
     #[arg(long, value_parser = choice::<Access>(), default_value = "pread")]
     pub io: Access,
 }
@@ -36,7 +36,8 @@ pub struct RepairArgs {
     pub archive: PathBuf,
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Receivers that the archive was built from; needed if the archive's own are damaged
+    /// Table of the receivers that the archive was built from; needed if the archive's own table is
+    /// damaged
     #[arg(long, short)]
     pub receivers: Option<PathBuf>,
     /// Repaired archive to write [default: replace the damaged one]
@@ -76,7 +77,7 @@ pub enum StoreCommand {
     Gc {
         /// Folder of the store
         folder: PathBuf,
-        /// Most bytes that stay, such as 10GiB
+        /// Largest total size of the archives that stay, such as 10GiB
         #[arg(long)]
         keep: Bytes,
     },
@@ -89,7 +90,7 @@ pub enum StoreCommand {
 
 #[derive(Args, Debug)]
 pub struct InfoArgs {
-    /// Archive, or scene files as a build takes them
+    /// Archive or atlas to describe (a path or an address), or scene files as for `build`
     #[arg(required_unless_present = "dsm", value_name = "SITE.helio|SCENE")]
     pub files: Vec<PathBuf>,
     #[command(flatten)]
@@ -100,7 +101,7 @@ pub struct InfoArgs {
     pub place: PlaceArgs,
     #[command(flatten)]
     pub footprints: FootprintArgs,
-    /// How the archive is read
+    /// Way to read the archive
     #[arg(long, value_parser = choice::<Access>(), default_value = "map")]
     pub io: Access,
 }
@@ -108,7 +109,7 @@ pub struct InfoArgs {
 #[derive(Args, Debug)]
 #[command(group(ArgGroup::new("some").required(true).args(["receivers", "bbox", "surface", "object"])))]
 pub struct ExtractArgs {
-    /// Archive to read, or an atlas one part of which holds the chosen receivers: a path or an
+    /// Archive to read, or an atlas of which one part holds all chosen receivers: a path or an
     /// address
     pub archive: PathBuf,
     /// Archive to write
@@ -116,21 +117,22 @@ pub struct ExtractArgs {
     pub output: PathBuf,
     #[command(flatten)]
     pub of: SelectionArgs,
-    /// Leave out the scene's triangles
+    /// Leave the scene's triangles out of the new archive
     #[arg(long)]
     pub no_scene: bool,
     /// Memory to work in, such as 512MiB or 2GiB
     #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
     pub memory: Bytes,
-    /// How the archive is read
+    /// Way to read the archive
     #[arg(long, value_parser = choice::<Access>(), default_value = "pread")]
     pub io: Access,
 }
 
 #[derive(Args, Debug)]
 pub struct MergeArgs {
-    /// Archives to read
+    /// First archive to read
     pub first: PathBuf,
+    /// Second archive to read, of the same scene
     pub second: PathBuf,
     /// Archive to write
     #[arg(long, short, value_name = "SITE.helio")]
@@ -138,20 +140,21 @@ pub struct MergeArgs {
     /// Memory to work in, such as 512MiB or 2GiB
     #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
     pub memory: Bytes,
-    /// How the archives are read
+    /// Way to read the archives
     #[arg(long, value_parser = choice::<Access>(), default_value = "pread")]
     pub io: Access,
 }
 
 #[derive(Args, Debug)]
 pub struct DiffArgs {
-    /// Archives to compare, A and B
+    /// First archive to compare, A
     pub first: PathBuf,
+    /// Second archive to compare, B
     pub second: PathBuf,
     /// Memory to work in, such as 512MiB or 2GiB
     #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
     pub memory: Bytes,
-    /// How the archives are read
+    /// Way to read the archives
     #[arg(long, value_parser = choice::<Access>(), default_value = "pread")]
     pub io: Access,
 }

@@ -45,81 +45,86 @@ pub struct Cli {
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Compute a year's sun from scene files in one go: receivers, archive, sums, map
+    /// Compute a year of solar irradiation from scene files with one command: receivers, archive,
+    /// sums, map
     Run(RunArgs),
-    /// Give an EnergyPlus model the sun that its surroundings reflect, for any weather, as tables
-    /// that EnergyPlus itself runs
+    /// Add the sunlight that its surroundings reflect to an EnergyPlus model; an unmodified
+    /// EnergyPlus then runs it with any weather
     Energyplus(EnergyplusArgs),
-    /// Solar modules: hourly light on both sides, shading, horizons, the best tilt and azimuth
+    /// Compute hourly irradiance on both sides of solar modules, with shading losses, horizons and
+    /// the best tilt and azimuth
     Pv(PvArgs),
-    /// Cover the surfaces of a scene with receivers
+    /// Cover the surfaces of a scene with receivers: the points at which light is computed
     Receivers(ReceiversArgs),
-    /// Trace every receiver of a scene once and store its layers in an archive
+    /// Trace once what every receiver of a scene sees, and store it in an archive
     Build(BuildArgs),
-    /// Edit the scene of an archive: add, remove, move, raise or repaint objects; only what an edit
-    /// can alter is traced again
+    /// Edit the scene of an archive: add, remove, move, raise or repaint objects. Only light that
+    /// the edits can alter is traced again
     Update(UpdateArgs),
-    /// Cut a region into parts that are built one by one, on any machines, and are queried like one
-    /// archive
+    /// Cut a region into parts (an atlas) that are built one by one, on any machines, and then
+    /// queried like one archive
     Partition(PartitionArgs),
     /// Write a static STAC catalogue of the parts of an atlas, with pictures and a page
     Catalogue(CatalogueArgs),
-    /// List the parts of an atlas that lie in a box
+    /// List the parts of an atlas that touch a box
     Find(FindArgs),
-    /// Forecast what a build would trace and cost, and what leaving an effect out could cost
+    /// Forecast the rays and seconds of a build, and the light that is lost if a light path is left
+    /// out
     Plan(PlanArgs),
-    /// Measure what accuracy costs on a site: the ladder of settings on some of its receivers, as
-    /// tables, pictures and a page
+    /// Measure the time and error of each accuracy level on some receivers of a site, as tables,
+    /// pictures and a page
     Tradeoff(TradeoffArgs),
-    /// Irradiance of every receiver under the suns and skies of a conditions table
+    /// Compute the irradiance of every receiver under the suns and skies of a table
     Query(QueryArgs),
-    /// Irradiance of every receiver through a weather file
+    /// Compute the irradiance of every receiver through a weather file, by hour or as sums
     Replay(ReplayArgs),
-    /// Compare the light of a site before and after a change: before, after and change, with a
-    /// summary of who loses how much
+    /// Compare the light of a site before and after a change: both values, their difference, and a
+    /// summary of the losses
     Compare(CompareArgs),
-    /// Hours of possible sun on given days, and what rules say of them: windows, facades, gardens
+    /// Compute hours of possible sun on given days, and check rules for windows, facades and
+    /// gardens
     Sunlight(SunlightArgs),
-    /// When mirrors and glass facades throw the sun at receivers, which pane does, and what rules
-    /// say of it
+    /// Find when mirrors and glass facades reflect the sun to receivers, and which pane does, and
+    /// check rules on glare
     Glare(GlareArgs),
-    /// Thermal comfort of people outdoors: mean radiant temperature, UTCI and PET of points of a
-    /// site, by hour or over periods
+    /// Compute thermal comfort of people outdoors: mean radiant temperature, UTCI and PET at points
+    /// of a site, by hour or over periods
     Comfort(Box<ComfortArgs>),
-    /// List the rules that `sunlight` and `glare` know
+    /// List the rules that `sunlight` and `glare` can check
     Rules(RulesArgs),
-    /// Light that surroundings reflect on receivers or surfaces over the sun's position:
-    /// EnergyPlus's factors
+    /// Compute EnergyPlus's reflection factors: the light that surroundings reflect to receivers or
+    /// surfaces, by position of the sun
     Factors(FactorsArgs),
-    /// Solar cadastre of buildings and roof faces: usable area, sums by orientation, regions in one
-    /// piece
+    /// Write a solar cadastre of buildings and roof faces: usable area, sums by orientation, best
+    /// usable region
     Buildings(BuildingsArgs),
-    /// The best places of modules on roofs and facades, as points that `pv` takes
+    /// Find the best places for modules on roofs and facades, as points that `pv` reads
     Places(PlacesArgs),
-    /// Describe an archive, or a scene
+    /// Describe an archive, an atlas or scene files
     Info(InfoArgs),
     /// Check every block of an archive; exit code 1 if one is damaged
     Verify(VerifyArgs),
     /// Check an archive against an independent reference path tracer for random receivers and
-    /// hours; exit code 1 if its stated error is refuted
+    /// hours; exit code 1 if the error is larger than the archive states
     Audit(AuditArgs),
     /// Trace the damaged parts of an archive again
     Repair(RepairArgs),
-    /// Manage the trace cache that `build --store` fills
+    /// List, thin out or check the cache of traces that `build --store` fills
     Store(StoreArgs),
-    /// Write an archive of some receivers of another one
+    /// Write some receivers of an archive into a new archive
     Extract(ExtractArgs),
     /// Write the union of two archives of one scene
     Merge(MergeArgs),
     /// List the differences of two archives; exit code 1 if they differ
     Diff(DiffArgs),
-    /// Copy an archive or an atlas to an object store, or from there or a web server
+    /// Copy an archive or an atlas to or from an object store, or from a web server
     Copy(CopyArgs),
     /// Show an archive in the browser of this machine: any sun, sky, weather and reflectance, live
     View(ViewArgs),
-    /// Layers of a receiver as images, view factors of all receivers as a table
+    /// Export what a receiver sees as images, view factors of all receivers as a table, or a page
+    /// that shows the archive
     Export(ExportArgs),
-    /// Repeat the studies of the paper
+    /// Repeat studies of the paper behind the method (src/book/studies.md)
     Study(StudyArgs),
     /// Write completions of this command line for a shell
     Completions(CompletionsArgs),

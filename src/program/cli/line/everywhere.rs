@@ -8,10 +8,10 @@ pub struct EverywhereArgs {
     /// Print only results, warnings and errors: no progress, no remarks on what was done
     #[arg(long, short, global = true)]
     pub quiet: bool,
-    /// Show the lists behind warnings
+    /// Print the full lists behind warnings, and the traffic with remote archives
     #[arg(long, short, global = true, conflicts_with = "quiet")]
     pub verbose: bool,
-    /// Threads to work with, 1 to 1024; results do not depend on it [default: all processors]
+    /// Number of threads, 1 to 1024; results do not depend on it [default: all processors]
     #[arg(long, value_name = "N", global = true, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
 }

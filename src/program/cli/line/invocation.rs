@@ -90,7 +90,7 @@ mod tests {
     /// order whatever was typed, with 1 word quoted. Options have their defaults, numbers are
     /// numbers, repeatable options are lists.
     #[test]
-    fn a_replay() {
+    fn a_recorded_command_has_one_order() {
         let one = "heliotile|replay|a b.helio|--year|2019|-w|x.epw|-o|t.csv|--io|map|--reflectance|roof=0.3";
         let other = "heliotile|replay|--reflectance=roof=0.3|--weather=x.epw|a b.helio|--memory|1GiB|--year|2019";
         let entries_of_one = entries(one);
@@ -107,7 +107,7 @@ mod tests {
 
     /// A flag that was typed is `true`; a flag that was not typed is left out.
     #[test]
-    fn flags() {
+    fn only_flags_that_were_typed_are_recorded() {
         let options = |line: &str| serde_json::from_str::<Value>(&entries(line)[2].1).expect("JSON");
         let with = options("heliotile|export|site.helio|--view-factors|-o|v.csv");
         assert_eq!(with["view_factors"], Value::Bool(true));

@@ -47,7 +47,7 @@ fn command_first(error: &Error, words: &[OsString]) -> Option<String> {
     let is_file = Path::new(&first).exists() || Path::new(&first).extension().is_some();
     match (error.kind(), command) {
         (ErrorKind::InvalidSubcommand | ErrorKind::UnknownArgument, Some(command)) => {
-            Some(format!("the command comes first, what it works on behind it: heliotile {command} ..."))
+            Some(format!("the command comes first, files and options after it: heliotile {command} ..."))
         }
         (ErrorKind::InvalidSubcommand, None) if is_file => Some(match first.ends_with(".helio") {
             true => format!("a command comes first, such as heliotile info {first}"),

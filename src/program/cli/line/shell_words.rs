@@ -16,7 +16,7 @@ mod tests {
 
     /// 2 plain words stay, 3 others get quotes that a shell removes again.
     #[test]
-    fn words_of_a_shell() {
+    fn words_with_spaces_are_quoted() {
         for word in ["--output=a/b.helio", "5%"] {
             assert_eq!(quoted(word), word);
         }

@@ -14,7 +14,8 @@ pub struct CompletionsArgs {
 
 #[derive(Args, Debug)]
 pub struct ManArgs {
-    /// Folder for the pages heliotile.1, heliotile-run.1 and so on; it is made if it does not exist
+    /// Folder to write the pages heliotile.1, heliotile-run.1 and so on into; created if it does
+    /// not exist
     #[arg(long, short, value_name = "FOLDER")]
     pub output: PathBuf,
 }

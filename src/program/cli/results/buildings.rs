@@ -17,7 +17,8 @@ pub struct YearArgs {
     #[command(flatten)]
     pub site: SiteArgs,
     /// Weather file of a year: EPW, TMY3, WEA, SURFRAD, CSV or JSON of a service (NSRDB, PVGIS,
-    /// Open-Meteo, Solcast) or any other; also packed (.gz, .zip)
+    /// Open-Meteo, Solcast), or any CSV or JSON with `time` and some of ghi, dni, dhi; also packed
+    /// (.gz, .zip)
     #[arg(long, short)]
     pub weather: PathBuf,
     #[command(flatten)]
@@ -43,13 +44,13 @@ pub struct BuildingsArgs {
     pub year: YearArgs,
     #[arg(long, short, default_value = "-", help = table_help("Table of buildings to write"))]
     pub output: PathBuf,
-    /// Also write a table of roof faces, with an ending as that of --output
+    /// Also write a table of roof faces; its ending chooses the format, as for --output
     #[arg(long, value_name = "FILE")]
     pub faces: Option<PathBuf>,
-    /// Least irradiation of a usable place on a roof, kWh/m2 in the year
+    /// Least irradiation of a usable place on a roof, kWh/m2 over the weather file
     #[arg(long, value_name = "KWH_M2", default_value_t = BuildingsRequest::default().threshold_kwh_m2, value_parser = parse_amount, allow_hyphen_values = true)]
     pub threshold: f64,
-    /// Least area of a usable region of such places that touch, m2
+    /// Least area of a usable region, m2: usable places that touch one another
     #[arg(long, value_name = "M2", default_value_t = BuildingsRequest::default().least_m2, value_parser = parse_amount, allow_hyphen_values = true)]
     pub min_area: f64,
 }
@@ -70,18 +71,18 @@ impl BuildingsArgs {
 pub struct PlacesArgs {
     #[command(flatten)]
     pub year: YearArgs,
-    #[arg(long, short, default_value = "-", help = table_help("Table of places to write, which `pv --points` takes as CSV"))]
+    #[arg(long, short, default_value = "-", help = table_help("Table of places to write; as CSV, `pv --points` reads it"))]
     pub output: PathBuf,
     /// Number of places, the best first
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..))]
     pub best: u32,
-    /// Width x height of a module, metres: the width is level, the height goes up the surface
+    /// Width x height of a module, metres: the width is horizontal, the height goes up the surface
     #[arg(long, value_name = "WxH", default_value = "1.1x1.8")]
     pub module: ModuleSize,
-    /// Surfaces to look on
+    /// Surfaces to search for places
     #[arg(long, value_parser = choice::<PlaceOn>(), default_value = "roofs")]
     pub on: PlaceOn,
-    /// Height of places above their surface, metres
+    /// Height of modules above their surface, metres
     #[arg(long, value_name = "M", default_value_t = 0.1, value_parser = parse_amount, allow_hyphen_values = true)]
     pub clearance: f64,
 }

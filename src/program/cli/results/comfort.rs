@@ -18,12 +18,12 @@ use heliotile_results::{
 
 /// Returns the help of `--output`.
 fn output_help() -> String {
-    format!("{}; also maps, as of `replay`", table_help("Table to write"))
+    format!("{}; also maps, as for `replay`", table_help("Table to write"))
 }
 
 #[derive(Args, Debug)]
 #[command(mut_arg("scene", |arg| arg.help(
-    "Archive of people, the folder of an atlas or its address; or scene files, whose archive of people is then built (--folder)"
+    "Archive of people that an earlier `comfort` built, or an atlas of people: a path or an address; or scene files, for which --folder then gets an archive of people"
 )))]
 pub struct ComfortArgs {
     #[command(flatten)]
@@ -34,18 +34,18 @@ pub struct ComfortArgs {
     pub weather: PathBuf,
     #[arg(long, short, default_value = "-", help = output_help())]
     pub output: PathBuf,
-    /// Write .parquet as a map, GeoParquet: polygons, one row a place
+    /// Write .parquet as a map (GeoParquet), one row with a polygon for each point
     #[arg(long)]
     pub geo: bool,
-    /// Draw a map (.png), from above and from the south-west; may be repeated; a table is then
+    /// Draw a map (.png), from above and from the south-west; may be repeated. A table is then
     /// written only if --output names one
     #[arg(long, value_name = "FILE")]
     pub plot: Vec<PathBuf>,
-    /// Columns, in this order: mrt, utci, pet, air, wind, and six planes each of shortwave and
-    /// longwave [default: mrt,utci,pet]
+    /// Columns to write, in this order: some of mrt, utci, pet, air, wind, shortwave and longwave
+    /// (six planes each) [default: mrt,utci,pet]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub columns: Vec<ComfortColumn>,
-    /// Rows of days and longer count the hours with a UTCI above these
+    /// Limits of the UTCI, degrees Celsius: rows of days and longer count the hours above each
     #[arg(
         long,
         value_name = "CELSIUS",
@@ -57,10 +57,10 @@ pub struct ComfortArgs {
     /// Posture of people
     #[arg(long, value_parser = choice::<Posture>(), default_value = "standing")]
     pub posture: Posture,
-    /// Model of the sun on a person
+    /// Model of the direct sun on a person
     #[arg(long, value_parser = choice::<SunOnPerson>(), default_value = "cylinder")]
     pub sun_on: SunOnPerson,
-    /// Temperature of surfaces for which --temperature gives nothing
+    /// Temperature of the surfaces that --temperature does not state
     #[arg(long, value_parser = choice::<SurfaceTemperatures>(), default_value = "sol-air")]
     pub surfaces: SurfaceTemperatures,
     /// Heat transfer coefficient between surfaces and air, radiation included, W/m2K
@@ -70,11 +70,11 @@ pub struct ComfortArgs {
     /// materials state, else ground=0.95, obstruction=0.9]
     #[arg(long, value_name = "CLASS=SHARE")]
     pub emissivity: Vec<ClassShare>,
-    /// Share of light that `ground` or `obstruction` absorb, for --surfaces sol-air; may be
-    /// repeated [default: what their materials do not reflect]
+    /// Share of sunlight that `ground` or `obstruction` surfaces absorb, for --surfaces sol-air;
+    /// may be repeated [default: what their materials do not reflect]
     #[arg(long, value_name = "CLASS=SHARE")]
     pub absorptance: Vec<ClassShare>,
-    /// Wind 10 m above the ground: that of the weather file times a factor, or a CSV as for
+    /// Wind speed 10 m above the ground: a factor on that of the weather file, or a CSV as for
     /// --schedule with a column `wind_m_s`
     #[arg(long, value_name = "FACTOR|FILE", default_value = "1")]
     pub wind: WindChoice,
@@ -99,8 +99,8 @@ pub struct ComfortArgs {
 #[derive(Args, Debug)]
 #[command(next_help_heading = "People of a scene")]
 pub struct PeopleArgs {
-    /// Positions of people, CSV: point,x,y and maybe z or height [default: on the ground, --spacing
-    /// apart]
+    /// Positions of people, CSV with columns point,x,y and optionally z or height [default: on the
+    /// ground, --spacing apart]
     #[arg(long, value_name = "FILE", conflicts_with_all = ["on", "spacing"])]
     pub points: Option<PathBuf>,
     /// Kinds of surfaces, or materials, that people stand on; several with commas
@@ -112,12 +112,12 @@ pub struct PeopleArgs {
     /// Height of the middle of a person above the ground
     #[arg(long, value_name = "LENGTH", default_value = "1.1m")]
     pub body_height: Metres,
-    /// Folder for receivers.csv and site.helio, which is reused [default: the name of the first
-    /// scene file, with .people]
+    /// Folder to write: receivers.csv and site.helio, which a later call with the same inputs uses
+    /// again [default: the name of the first scene file, with .people]
     #[arg(long, value_name = "FOLDER")]
     pub folder: Option<PathBuf>,
-    /// Replace what the folder holds of another scene, points or accuracy, which is refused
-    /// otherwise
+    /// Replace results in the folder that are of another scene, points or accuracy; without this
+    /// option they are an error
     #[arg(long)]
     pub replace: bool,
 }
@@ -133,11 +133,11 @@ impl ComfortArgs {
     pub fn check(&self) -> Result<()> {
         let PeopleArgs { points, folder, replace, .. } = &self.people;
         if self.place().is_some() && (points.is_some() || folder.is_some() || *replace) {
-            let what = "people stand where the archive has them";
+            let what = "apply to scene files only: an archive states where people stand";
             return Err(Error::argument(
                 "points, folder, replace",
                 what,
-                "leave them out, or name the scene in place of the archive",
+                "leave them out, or give the scene files in place of the archive",
             ));
         }
         Ok(())

@@ -14,12 +14,12 @@ use heliotile_scene::request::SceneRequest;
 
 #[derive(Args, Debug)]
 pub struct EnergyplusArgs {
-    /// Model of EnergyPlus 24.1 to 25.2, or with --assume-version 25.2 of any that EnergyPlus 25.2
-    /// runs: .idf or .epJSON
+    /// EnergyPlus model, .idf or .epJSON, of version 24.1 to 25.2; with --assume-version 25.2 of
+    /// any version that EnergyPlus 25.2 runs
     #[arg(value_name = "MODEL")]
     pub model: PathBuf,
-    /// Files of the surroundings: CityJSON, terrain, meshes, site.toml; in the coordinates of the
-    /// model, or see --at
+    /// Scene files of the surroundings: CityJSON, terrain, meshes, site.toml; in the coordinates of
+    /// the model, unless --at is given
     #[arg(long, value_name = "SCENE", num_args = 1..)]
     pub scene: Vec<PathBuf>,
     /// Position of the model's origin in the coordinates of --scene, metres: east,north or
@@ -30,29 +30,31 @@ pub struct EnergyplusArgs {
     /// or 28992
     #[arg(long, value_name = "EPSG", requires = "scene", value_parser = parse_crs)]
     pub crs: Option<u32>,
-    /// Remove the surroundings from the model: their direct and diffuse light comes as a series of
-    /// this weather file, and EnergyPlus computes no shadows of them
+    /// Remove the shading objects of the surroundings from the model. Their effect on direct and
+    /// diffuse light becomes a time series for --weather, and EnergyPlus computes no shadows of
+    /// them
     #[arg(long, requires = "weather")]
     pub delete_surroundings: bool,
-    /// Weather file of --run and of --delete-surroundings
+    /// Weather file for --run and --delete-surroundings
     #[arg(long, short)]
     pub weather: Option<PathBuf>,
-    /// Folder for model.idf or model.epJSON, report.md and .html, receivers.csv and site.helio;
-    /// with --delete-surroundings also series.csv, and stripped.idf with an archive of its own
+    /// Folder to write: model.idf or model.epJSON, report.md and .html, receivers.csv and
+    /// site.helio; with --delete-surroundings also series.csv, and stripped.idf with an archive of
+    /// its own
     #[arg(long, short, value_name = "FOLDER")]
     pub output: PathBuf,
-    /// Light that the model gets
+    /// Reflected light that the model gets
     #[arg(long, value_parser = choice::<Physics>(), default_value = "full")]
     pub physics: Physics,
-    /// Run EnergyPlus without reflections, with its own and with injected light, and compare them
-    /// in the report
+    /// Run EnergyPlus three times (without reflections, with its own, with the injected light) and
+    /// compare the results in the report
     #[arg(long, requires = "weather")]
     pub run: bool,
     /// Folder of EnergyPlus 25.2 [default: that of `energyplus` on the search path]
     #[arg(long, value_name = "DIR", requires = "run")]
     pub energyplus: Option<PathBuf>,
     /// Distance between receivers on the model's surfaces, such as 1m or 50cm; with
-    /// --delete-surroundings, whose shadows depend on it, 50cm
+    /// --delete-surroundings the default is 50cm, as shadows depend on it
     #[arg(long, value_name = "LENGTH", default_value = "1m", default_value_if("delete_surroundings", "true", "50cm"))]
     pub spacing: Metres,
     #[command(flatten)]
@@ -61,8 +63,8 @@ pub struct EnergyplusArgs {
     pub footprints: FootprintArgs,
     #[command(flatten)]
     pub accuracy: AccuracyArgs,
-    /// Replace what the folder holds of another model, scene, spacing or accuracy, which is refused
-    /// otherwise
+    /// Replace results in the folder that are of another model, scene, spacing or accuracy; without
+    /// this option they are an error
     #[arg(long)]
     pub replace: bool,
     /// Memory to work in, such as 512MiB or 2GiB
@@ -111,7 +113,7 @@ mod tests {
 
     /// Two positions are read, 4 texts are refused.
     #[test]
-    fn spots() {
+    fn positions_have_two_or_three_numbers() {
         assert_eq!(parse_spot("78500, -45.5"), Ok(DVec3::new(78500.0, -45.5, 0.0)));
         assert_eq!(parse_spot("1,2,3"), Ok(DVec3::new(1.0, 2.0, 3.0)));
         for text in ["", "1", "1,nan", "1,2,3,4"] {

@@ -15,28 +15,28 @@ use heliotile_results::PageRequest;
 
 /// Text of `export --help` on images.
 const IMAGES: &str = "\
-An .exr file has three parts, four where the receiver sees sky in mirrors (f32, texels of equal solid angle, see schema/layers.md; their attribute `heliotile` says what they
-hold, as JSON):
-  sky       world's upper hemisphere, first line towards y: visible, weight_sr; with --sun sky_direct, sun_direct
-  hit       the surface's own hemisphere, first line up the surface: class (1 ground, 2 obstruction), material, cell, mirrors
-            passed, weight_sr; with --sun sun_diffuse, sky_diffuse: the radiance of what is seen there
-  response  world's upper hemisphere: ground.x to obstruction.z, reflected light by the direction of its source;
-            with --sun weight_sr, sky_diffuse: the radiance of the sky there
-  mirror    world's upper hemisphere, by the direction that light has in the sky: weight_sr;
-            with --sun sky_specular, sun_specular
-Behind canopies `sky` also has `through`, the share of light that comes through. Channels named like a column of `query` are radiances, W/(m2 sr): their sum over the texels of a part, each times weight_sr, is that
-column.
+An .exr file has three parts, or four if the receiver sees sky in mirrors (f32, texels of equal solid angle, see schema/layers.md). The attribute
+`heliotile` of each part describes its contents as JSON. Parts and their channels:
+  sky       upper hemisphere of the world, first line towards y: visible, weight_sr; with --sun also sky_direct, sun_direct
+  hit       hemisphere of the surface, first line up the surface: class (1 ground, 2 obstruction), material, cell, mirrors
+            passed, weight_sr; with --sun also sun_diffuse, sky_diffuse: the radiance of what is seen there
+  response  upper hemisphere of the world: ground.x to obstruction.z, reflected light by the direction of its source;
+            with --sun also weight_sr, sky_diffuse: the radiance of the sky there
+  mirror    upper hemisphere of the world, by the direction that light has in the sky: weight_sr;
+            with --sun also sky_specular, sun_specular
+Behind canopies, `sky` also has `through`, the share of light that passes them. Channels named like a column of `query` are radiances, W/(m2 sr):
+their sum over the texels of a part, each times weight_sr, is that column.
 
-A .png is a picture for people: the upper hemisphere, equidistant, zenith in the middle, y up, x right as on a map, N in true north; with
---weather or --latitude the sun's paths at the solstices and equinoxes, and its place at each full hour through the year. With --panel and a light it is
-six pictures as a camera on the surface sees them: what is seen, then radiances of the sky, of sunlit surfaces, of sun and sky in mirrors and
-of skylit surfaces, and their sum, on one logarithmic scale; what each gives in W/m2 stands above it.";
+A .png shows the upper hemisphere, equidistant (fisheye), zenith in the middle, y up, x right as on a map, N at true north. With --weather or
+--latitude it shows the sun's paths at the solstices and equinoxes, and the sun's position at each full hour through the year. With --panel and
+--sun it has six pictures as a camera on the surface sees them: what is seen, then radiances of the sky, of sunlit surfaces, of sun and sky in
+mirrors and of skylit surfaces, and their sum, on one logarithmic scale; the irradiance of each, in W/m2, stands above it.";
 
 #[derive(Args, Debug)]
 #[command(after_long_help = IMAGES)]
 #[command(group(ArgGroup::new("subject").required(true).args(["receiver", "view_factors", "html"])))]
 pub struct ExportArgs {
-    /// Archive to read, or the atlas: a path or an address
+    /// Archive to read, or the folder of an atlas: a path or an address
     pub archive: PathBuf,
     #[arg(long, short, required_unless_present = "html", help = table_help("File to write: .exr or .png for a receiver; for view factors"))]
     pub output: Option<PathBuf>,
@@ -47,21 +47,21 @@ pub struct ExportArgs {
     /// nothing (they sum to 1)
     #[arg(long, conflicts_with_all = ["sun", "weather", "latitude"])]
     pub view_factors: bool,
-    /// Write a page that shows the archive in a browser, as `view` does, also from a disk: an
-    /// archive up to 50 MB is inside it, with the weather file if one is given; of a larger one the
-    /// page asks for the file
+    /// Write a page that shows the archive in a browser, as `view` does, but needs no server. An
+    /// archive of up to 50 MB is inside the page, with the weather file if one is given; for a
+    /// larger one the page asks for the file
     #[arg(long, value_name = "PAGE.html", conflicts_with_all = ["output", "sun", "latitude", "time_zone"])]
     pub html: Option<PathBuf>,
-    /// Archive of the same site after a change, for the page: it shows before, after and the
-    /// change, as `view --with` does
+    /// Archive of the same site after a change, for the page of --html: it shows before, after and
+    /// the change, as `view --with` does
     #[arg(long, value_name = "AFTER", conflicts_with_all = ["receiver", "view_factors"])]
     pub with: Option<PathBuf>,
-    /// Draw a panel in place of one picture: six fisheyes of what is seen, the light of --sun by
-    /// its paths, and all of it, in one scale
+    /// Draw six fisheye pictures in place of one: what is seen, the light of --sun by its paths,
+    /// and their sum, on one scale
     #[arg(long, requires = "sun", conflicts_with_all = ["weather", "latitude"])]
     pub panel: bool,
-    /// Azimuth and altitude of a sun, degrees, azimuth clockwise from true north: maps of its light
-    /// go into an .exr, its place into a .png
+    /// Azimuth (clockwise from true north) and altitude of a sun, degrees: an .exr gets maps of its
+    /// light, a .png its position
     #[arg(long, value_name = "AZIMUTH,ALTITUDE", allow_hyphen_values = true)]
     pub sun: Option<SunPosition>,
     /// Direct normal irradiance of that sun, W/m2
@@ -72,20 +72,22 @@ pub struct ExportArgs {
     pub dhi: f64,
     #[arg(long, help = SkyModel::described(), default_value = "perez", requires = "sun")]
     pub sky: SkyModel,
-    /// Sky patches: 145, 577 or 2305 [default: those that the archive was built for]
+    /// Number of sky patches: 145, 577 or 2305 [default: that for which the archive was built]
     #[arg(long, requires = "sun")]
     pub patches: Option<usize>,
-    /// Diffuse reflections: all, or a number (1 is the paper's model)
+    /// Number of diffuse reflections that count: all, or 1 to 64 (1 counts the first one only)
     #[arg(long, default_value = "all", value_parser = parse_depth, requires = "sun")]
     pub bounces: MaxBounces,
-    /// Draw the sun's paths over the place of a weather file into a .png, over the archive's if the
-    /// file says none; hours are those of its clock. The weather of a page
+    /// Weather file. A .png shows the sun's paths over its place (the archive's, if the file states
+    /// none), with hours of the file's clock; a page of --html shows its weather
     #[arg(long, short, value_name = "FILE", conflicts_with = "latitude")]
     pub weather: Option<PathBuf>,
-    /// Time zone of the weather file's clock, such as +01:00, -7 or UTC, in place of its own
+    /// Time zone of the weather file's clock, such as +01:00, -7 or UTC, in place of that of the
+    /// file
     #[arg(long, value_name = "ZONE", requires = "weather", allow_hyphen_values = true, value_parser = parse_time_zone)]
     pub time_zone: Option<f64>,
-    /// Draw them over a latitude, degrees, north positive; hours are mean solar time
+    /// Latitude, degrees, north positive, for which a .png shows the sun's paths; hours are mean
+    /// solar time
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = parse_latitude)]
     pub latitude: Option<f64>,
     /// Memory to work in, such as 512MiB or 2GiB

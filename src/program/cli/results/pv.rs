@@ -16,35 +16,37 @@ pub struct PvArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
     /// Weather file: EPW, TMY3, WEA, SURFRAD, CSV or JSON of a service (NSRDB, PVGIS, Open-Meteo,
-    /// Solcast) or any other; also packed (.gz, .zip)
+    /// Solcast), or any CSV or JSON with `time` and some of ghi, dni, dhi; also packed (.gz, .zip)
     #[arg(long, short)]
     pub weather: PathBuf,
-    /// Places of modules, CSV: point,x,y, z or height (metres above the roof or ground below),
-    /// tilt,azimuth (degrees, clockwise from true north; may be left out with --search)
+    /// Positions of modules, CSV with columns point,x,y, z or height (metres above the roof or
+    /// ground below), and tilt,azimuth (degrees, clockwise from true north; may be left out with
+    /// --search)
     #[arg(long, short, value_name = "FILE")]
     pub points: Option<PathBuf>,
     /// Rows of modules, TOML: each [[rows]] has a name, an area or surface, tilt, azimuth, pitch,
-    /// width, height; modules shade and light one another, and have a front and a rear; with ground
-    /// = 0.5 there are receivers on the ground among them, at that distance, with the light that
-    /// plants live on
+    /// width, height. Modules shade each other, reflect light to each other, and have a front and a
+    /// rear. `ground = 0.5` adds receivers on the ground among the rows, 0.5 m apart, with the
+    /// light that plants use
     #[arg(long, short, value_name = "FILE")]
     pub rows: Option<PathBuf>,
-    /// Share of the light on the rear that counts beside the front, for poa_global and the gain
+    /// Bifaciality, the share of the light on the rear that is added to that on the front, for
+    /// poa_global and the gain
     #[arg(long, default_value_t = 0.8, value_parser = parse_bifaciality)]
     pub bifaciality: f64,
-    /// Folder for points.csv, months.csv, ground.csv, ground_months.csv, hourly.csv, horizon/,
-    /// best.csv and the archive site.helio
+    /// Folder to write: points.csv, months.csv, ground.csv, ground_months.csv, hourly.csv,
+    /// horizon/, best.csv and the archive site.helio
     #[arg(long, short, value_name = "FOLDER")]
     pub output: PathBuf,
     /// Find the best tilt and azimuth of every point: best.csv, search.csv and a picture of each;
-    /// points without angles take the best
+    /// points without angles get the best ones
     #[arg(long, requires = "points")]
     pub search: bool,
-    /// Tilts that a search may choose, degrees, such as 10..60, or one
+    /// Range of tilts for --search, degrees, such as 10..60, or one tilt
     #[arg(long, value_name = "FROM..TO", default_value = "0..90", value_parser = parse_tilts)]
     pub tilts: [f64; 2],
-    /// Azimuths that a search may choose, degrees clockwise from true north, such as 90..270,
-    /// 300..60 over north, or one
+    /// Range of azimuths for --search, degrees clockwise from true north, such as 90..270, or
+    /// 300..60 through north, or one azimuth
     #[arg(long, value_name = "FROM..TO", default_value = "0..360", value_parser = parse_azimuths)]
     pub azimuths: [f64; 2],
     #[arg(long, help = SkyModel::described(), default_value = "perez")]
@@ -55,16 +57,17 @@ pub struct PvArgs {
     /// Write no hourly table, sums only
     #[arg(long, conflicts_with = "format")]
     pub no_hourly: bool,
-    /// Moment of its interval that labels a row of hours
+    /// Time that labels a row of hours: the start, middle or end of its interval
     #[arg(long, value_parser = choice::<StampedAt>(), default_value = "start")]
     pub stamp: StampedAt,
-    /// Put all rows into one year, such as 2019; the sun stays that of the file's dates
+    /// Year of all dates in results, such as 2019; sun positions stay those of the weather file's
+    /// dates
     #[arg(long, value_parser = clap::value_parser!(i32).range(1..=2999))]
     pub year: Option<i32>,
     #[command(flatten)]
     pub accuracy: AccuracyArgs,
-    /// Replace what the folder holds of another scene, points, accuracy or weather, which is
-    /// refused otherwise
+    /// Replace results in the folder that are of another scene, points, accuracy or weather;
+    /// without this option they are an error
     #[arg(long)]
     pub replace: bool,
     /// Memory to work in, such as 512MiB or 2GiB
@@ -131,7 +134,11 @@ fn parse_azimuths(text: &str) -> Result<[f64; 2], String> {
         return Err("azimuths are from -360 to 360, clockwise from true north".into());
     }
     let to = if to < from { to + 360.0 } else { to };
-    if to - from > 360.0 { Err("this is more than a full circle".into()) } else { Ok([from, to]) }
+    if to - from > 360.0 {
+        Err("the range is more than a full circle: give azimuths as in 90..270".into())
+    } else {
+        Ok([from, to])
+    }
 }
 
 #[cfg(test)]
@@ -140,7 +147,7 @@ mod tests {
 
     /// Ranges, one number and a sector over north are read; 7 wrong texts are refused.
     #[test]
-    fn ranges() {
+    fn ranges_of_azimuths_may_cross_north() {
         assert_eq!((parse_tilts("10..60"), parse_tilts("30")), (Ok([10.0, 60.0]), Ok([30.0, 30.0])));
         assert_eq!((parse_azimuths("300..60"), parse_azimuths("180")), (Ok([300.0, 420.0]), Ok([180.0, 180.0])));
         assert_eq!(parse_azimuths("-90..90"), Ok([-90.0, 90.0]));

@@ -32,7 +32,7 @@ use heliotile_scene::input;
 fn output_help() -> String {
     let maps = MapFormat::ENDINGS.map(|(ending, _)| format!(".{ending}")).join(", ");
     format!(
-        "{}; of `query`, `replay`, `compare` and `sunlight` also maps: {maps}, .parquet with --geo",
+        "{}; `query`, `replay`, `compare` and `sunlight` also write maps: {maps}, .parquet with --geo",
         table_help("Table to write")
     )
 }
@@ -45,10 +45,11 @@ pub struct SiteArgs {
     /// Memory to work in, such as 512MiB or 2GiB
     #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
     pub memory: Bytes,
-    /// How the archive is read [default: map, or pread if the archive is large beside --memory]
+    /// Way to read the archive [default: map, or pread if the archive is large compared with
+    /// --memory]
     #[arg(long, value_parser = choice::<Access>())]
     pub io: Option<Access>,
-    /// Take y for north: suns are not turned to the true north that the archive's place states
+    /// Use y as north, and ignore the true north of the archive's place
     #[arg(long)]
     pub grid_north: bool,
 }
@@ -62,7 +63,7 @@ pub struct TableArgs {
     pub output: PathBuf,
     #[command(flatten)]
     pub of: SelectionArgs,
-    /// Subject of rows
+    /// What a row stands for
     #[arg(long, value_parser = choice::<By>(), default_value = "receiver")]
     pub by: By,
 }
@@ -97,34 +98,37 @@ impl TableArgs {
 pub struct RecombineArgs {
     #[command(flatten)]
     pub table: TableArgs,
-    /// Write .parquet as a map, GeoParquet: polygons, one row a place
+    /// Write .parquet as a map (GeoParquet), one row with a polygon for each receiver, surface and
+    /// so on
     #[arg(long)]
     pub geo: bool,
-    /// Draw results: a name that ends with .png is a map of the sums (or of one condition), from
-    /// above and from the south-west; one that ends with .svg is a chart of the mean of all
-    /// receivers, weighted by area: bars by component of --every day, month or year (or of
-    /// conditions), hours of the day by month of --every hour. May be repeated; a table is then
+    /// Draw a picture of the results. A name that ends with .png is a map of the sums (or of one
+    /// condition), from above and from the south-west; one that ends with .svg is a chart of the
+    /// mean of all receivers, weighted by area: bars by component of --every day, month or year (or
+    /// of conditions), hours of the day by month of --every hour. May be repeated; a table is then
     /// written only if --output names one
     #[arg(long, value_name = "FILE")]
     pub plot: Vec<PathBuf>,
-    /// Columns to write, in this order, such as total,sun_direct; sun_diffuse and sky_diffuse also
-    /// by the surface seen first, as sun_diffuse_ground and sun_diffuse_obstruction, and `replay`
-    /// gives longwave [default: the six components and their total]
+    /// Columns to write, in this order, such as total,sun_direct. sun_diffuse and sky_diffuse can
+    /// be split by the kind of surface that the receiver sees, as in sun_diffuse_ground and
+    /// sun_diffuse_obstruction; `replay` also has longwave [default: the six components and their
+    /// total]
     #[arg(long, value_name = "NAMES")]
     pub columns: Option<ComponentList>,
     #[arg(long, value_name = "NAMES|FILE", help = BandChoice::described())]
     pub bands: Option<BandChoice>,
     #[command(flatten)]
     pub sky: SkyArgs,
-    /// Sky patches: 145, 577 or 2305 [default: those that the archive was built for]
+    /// Number of sky patches: 145, 577 or 2305 [default: that for which the archive was built]
     #[arg(long)]
     pub patches: Option<usize>,
-    /// Diffuse reflections: all, or a number (1 is the paper's model)
+    /// Number of diffuse reflections that count: all, or 1 to 64 (1 counts the first one only)
     #[arg(long, default_value = "all", value_parser = parse_depth)]
     pub bounces: MaxBounces,
-    /// Light paths that count beyond sun and sky, their first diffuse reflection and the sun in
-    /// mirrors: all, none (as in EnergyPlus), or some of bounces (further diffuse reflections),
-    /// mirror-diffuse (diffuse light that meets a mirror, too), mirror-sky (the sky in mirrors)
+    /// Light paths that count besides direct sun and sky, their first diffuse reflection and the
+    /// sun in mirrors: all, none (as in EnergyPlus), or some of bounces (further diffuse
+    /// reflections), mirror-diffuse (diffuse light that also meets a mirror), mirror-sky (the sky
+    /// in mirrors)
     #[arg(long, value_name = "NAMES", default_value = "all")]
     pub paths: LightPaths,
     #[command(flatten)]
@@ -136,7 +140,7 @@ pub struct RecombineArgs {
 pub struct SkyArgs {
     #[arg(long, value_name = "NAME|FILE", help = SkyChoice::described(), default_value = "perez")]
     pub sky: SkyChoice,
-    /// Irradiance that a file of --sky is scaled to [default: dhi for photographs, given for tables
+    /// Scale of the radiances in a file of --sky [default: dhi for photographs, given for tables
     /// and matrices]
     #[arg(long, value_parser = choice::<SkyScale>())]
     pub sky_scale: Option<SkyScale>,
@@ -144,12 +148,12 @@ pub struct SkyArgs {
     /// of .hdr and .exr are radiances]
     #[arg(long, value_name = "RADIANCE", value_parser = parse_positive)]
     pub sky_white: Option<f64>,
-    /// Clouds before sun and sky, shares of light that come through (0 to 1): a table of patches as
-    /// for --sky, or a square equidistant picture
+    /// Transmittance of clouds before sun and sky, 0 to 1 by direction: a table of patches as for
+    /// --sky, or a square equidistant (fisheye) picture
     #[arg(long, value_name = "FILE")]
     pub clouds: Option<PathBuf>,
-    /// Azimuth of the top of pictures of --sky and --clouds, degrees clockwise from true north; the
-    /// left side lies a quarter of a turn clockwise of it [default: 0, north]
+    /// Azimuth of the top of the pictures of --sky and --clouds, degrees clockwise from true north;
+    /// their left side is 90 degrees further clockwise [default: 0, north]
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = parse_azimuth)]
     pub image_top: Option<f64>,
 }
@@ -182,14 +186,13 @@ pub struct ChangeArgs {
     /// place of the group; may be repeated, the last one counts
     #[arg(long, value_name = "GROUP=VALUE", value_parser = parse_reflectance)]
     pub reflectance: Vec<(String, f64)>,
-    /// Let a diffuse reflectance follow a CSV with a column `reflectance` and a line for each
-    /// condition, or for each row of the weather file, for which 12 lines are months; may be
-    /// repeated
+    /// Change a diffuse reflectance over time: a CSV with a column `reflectance` and a line for
+    /// each condition, for each row of the weather file, or for each of 12 months; may be repeated
     #[arg(long, value_name = "GROUP=FILE", value_parser = parse_named::<PathBuf>)]
     pub schedule: Vec<(String, PathBuf)>,
-    /// Change the transmittance of canopies at each crossing: GROUP=0.4, or a CSV like those of
-    /// --schedule, with a column `transmittance` (leaves in their seasons); may be repeated, the
-    /// last one counts
+    /// Change the transmittance of canopies, the share of light that each of their faces lets
+    /// through: GROUP=0.4, or a CSV as for --schedule, with a column `transmittance` (leaves by
+    /// season); may be repeated, the last one counts
     #[arg(long, value_name = "GROUP=VALUE|FILE", value_parser = parse_named::<ConstantOrFile>)]
     pub transmittance: Vec<(String, ConstantOrFile)>,
 }
@@ -240,8 +243,8 @@ impl RecombineArgs {
 pub struct QueryArgs {
     #[command(flatten)]
     pub common: RecombineArgs,
-    /// Table of condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2; azimuths are
-    /// clockwise from true north
+    /// Table of suns and skies, CSV: condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2;
+    /// azimuths are clockwise from true north
     #[arg(long, short)]
     pub conditions: PathBuf,
 }
@@ -280,39 +283,39 @@ impl FactorsArgs {
 /// Period of a weather file that counts, and periods of rows.
 #[derive(Args, Debug)]
 pub struct PeriodArgs {
-    /// Period of a row: means in W/m2, or sums in kWh/m2
+    /// Period of a row: means in W/m2 of hours, sums in kWh/m2 of longer periods
     #[arg(long, value_parser = choice::<Every>(), default_value = "hour")]
     pub every: Every,
-    /// Moment of its interval that labels a row of means, 06:00, 06:30 or 07:00 for the hour from
-    /// 06:00 to 07:00 (the last hour of a day ends at 00:00 of the next); sums are labelled with
-    /// the start of their period
+    /// Time that labels a row of means: the start, middle or end of its interval, as 06:00, 06:30
+    /// or 07:00 for the hour from 06:00 to 07:00 (the last hour of a day ends at 00:00 of the
+    /// next); sums are labelled with the start of their period
     #[arg(long, value_parser = choice::<StampedAt>(), default_value = "start")]
     pub stamp: StampedAt,
-    /// Put all rows into one year, such as 2019: a typical year, whose months come from different
-    /// ones, or any other. Dates of results change, the sun stays that of the file's dates; 29
-    /// February is left out if the year has none. Years of --from and --to are then this year
+    /// Year of all dates in results, such as 2019, for example for a typical year, whose months
+    /// come from different ones. Sun positions stay those of the file's dates; 29 February is left
+    /// out if the year has none. --from and --to then refer to this year
     #[arg(long, value_parser = clap::value_parser!(i32).range(1..=2999))]
     pub year: Option<i32>,
-    /// First day that counts, such as 2019-03-01, or 03-01 of any year (typical years, winters); or
-    /// a time, 03-01T06:00
+    /// First day that counts, such as 2019-03-01, or 03-01 of any year (for typical years and
+    /// winters), or a time such as 03-01T06:00
     #[arg(long, value_name = "DAY")]
     pub from: Option<Moment>,
-    /// Last day that counts, all of it; if it is before --from, the day of the next year: --from
-    /// 11-01 --to 02-28
+    /// Last day that counts, up to its end; if it is before --from, that day of the next year, as
+    /// in --from 11-01 --to 02-28
     #[arg(long, value_name = "DAY")]
     pub to: Option<Moment>,
-    /// Sun positions within each interval of the weather file, 1 to 60 [default: the number that
-    /// the archive was built for, which is per hour]
+    /// Number of sun positions within each interval of the weather file, 1 to 60 [default: the
+    /// number per hour for which the archive was built]
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=60))]
     pub steps: Option<u16>,
-    /// Let all materials of class ground follow the weather file: its snow depth
-    /// (--snow-reflectance from 1 cm on) or its albedo
+    /// Change the reflectance of all ground by the weather file: its snow depth (--snow-reflectance
+    /// from 1 cm on) or its albedo
     #[arg(long, value_parser = choice::<Snow>())]
     pub snow: Option<Snow>,
     /// Diffuse reflectance of snow
     #[arg(long, default_value_t = 0.6, value_parser = parse_share, requires = "snow")]
     pub snow_reflectance: f64,
-    /// Temperature of the emitters of the column `longwave`, `ground` or `obstruction`: degrees
+    /// Temperature of `ground` or `obstruction` surfaces for the column `longwave`: degrees
     /// Celsius, or a CSV as for --schedule with a column `temperature_c`; may be repeated, the last
     /// one counts [default: the weather file's dry bulb temperature]
     #[arg(long, value_name = "CLASS=CELSIUS|FILE")]
@@ -351,17 +354,17 @@ pub struct ReplayArgs {
     #[command(flatten)]
     pub common: RecombineArgs,
     /// Weather file: EPW, TMY3, WEA, SURFRAD, CSV or JSON of a service (NSRDB, PVGIS, Open-Meteo,
-    /// Solcast) or any other; also packed (.gz, .zip)
+    /// Solcast), or any CSV or JSON with `time` and some of ghi, dni, dhi; also packed (.gz, .zip)
     #[arg(long, short)]
     pub weather: PathBuf,
     #[command(flatten)]
     pub period: PeriodArgs,
-    /// City model (CityJSON or a sequence of features) whose surfaces carry the receivers: with an
-    /// output that ends with .city.json or .city.jsonl it is written again with these sums, and
+    /// City model (CityJSON or CityJSONSeq) on whose surfaces the receivers were placed: an
+    /// --output that ends with .city.json or .city.jsonl is this model with the sums added, and
     /// with a material theme `irradiation`
     #[arg(long, value_name = "INPUT.city.json", conflicts_with_all = ["honeybee", "plot"])]
     pub model: Option<PathBuf>,
-    /// Write a folder of hourly results as Honeybee and Pollination read them, in place of a table,
+    /// Write a folder of hourly results that Honeybee and Pollination read, in place of a table,
     /// with a grid for each object (a room, a city object); --by building, surface or kind makes
     /// other grids
     #[arg(long, value_name = "FOLDER", conflicts_with_all = ["output", "plot"])]
@@ -390,7 +393,7 @@ const OF_WEATHER: [&str; 9] =
 #[command(
     group(ArgGroup::new("suns").required(true).args(["weather", "conditions"])),
     mut_arg("archive", |arg| arg.index(1).value_name("BEFORE").help("Archive before the change, or the folder of an atlas: a path or an address")),
-    mut_arg("columns", |arg| arg.help("Columns to compare, in this order, such as total,sun_direct, as of `replay` [default: total]")),
+    mut_arg("columns", |arg| arg.help("Columns to compare, in this order, such as total,sun_direct, as for `replay` [default: total]")),
     mut_arg("every", |arg| arg.default_value("total")),
     // A changed argument moves behind the others; the index keeps AFTER behind BEFORE.
     mut_arg("after", |arg| arg.index(2)),
@@ -398,20 +401,20 @@ const OF_WEATHER: [&str; 9] =
 pub struct CompareArgs {
     #[command(flatten)]
     pub common: RecombineArgs,
-    /// Archives or atlases after the change; several of them give a summary
+    /// Archives or atlases after the change; for several, only a summary is written
     #[arg(required = true)]
     pub after: Vec<PathBuf>,
-    /// Weather file, as `replay` takes it
+    /// Weather file, as for `replay`
     #[arg(long, short)]
     pub weather: Option<PathBuf>,
-    /// Table of conditions in place of weather, as `query` takes it
+    /// Table of suns and skies in place of weather, as for `query`
     #[arg(long, short, conflicts_with_all = OF_WEATHER)]
     pub conditions: Option<PathBuf>,
     #[command(flatten)]
     pub period: PeriodArgs,
-    #[arg(long, value_name = "FILE", help = table_help("Table with a row for each archive after: means, and how many receivers, windows and buildings lose more than 5, 10 and 20 %"))]
+    #[arg(long, value_name = "FILE", help = table_help("Table to write with a row for each AFTER: means, and how many receivers, windows and buildings lose more than 5, 10 and 20 %"))]
     pub summary: Option<PathBuf>,
-    #[arg(long, value_name = "FILE", help = table_help("Table of the receivers that exist on one side only"))]
+    #[arg(long, value_name = "FILE", help = table_help("Table to write of the receivers that only one of the archives holds"))]
     pub unmatched: Option<PathBuf>,
     #[command(flatten)]
     pub about_weather: WeatherArgs,
@@ -428,7 +431,7 @@ impl CompareArgs {
             (None, Some(conditions)) => {
                 Illumination::Conditions(QueryRequest { light: self.common.light()?, conditions: conditions.clone() })
             }
-            (None, None) => return Err(Error::argument("weather, conditions", "none is given", "give one of them")),
+            (None, None) => return Err(Error::argument("weather, conditions", "neither is given", "give one of them")),
         };
         let (after, summary, unmatched) = (self.after.clone(), self.summary.clone(), self.unmatched.clone());
         Ok(CompareRequest { after, under, summary, unmatched })

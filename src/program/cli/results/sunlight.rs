@@ -12,30 +12,32 @@ use heliotile_results::{ClockZone, DaySpan, Every, FileRequest, GlareChoice, Sun
 /// Days, rules and the format of maps.
 #[derive(Args, Debug)]
 pub struct DayArgs {
-    /// Write .parquet as a map, GeoParquet: polygons, one row a place
+    /// Write .parquet as a map (GeoParquet), one row with a polygon for each receiver, surface and
+    /// so on
     #[arg(long)]
     pub geo: bool,
-    /// Year of days that name none: others differ by a few minutes
+    /// Year of the dates that state none; results of other years differ by a few minutes
     #[arg(long, default_value_t = SunlightRequest::default().year, value_parser = clap::value_parser!(i32).range(1..=2998))]
     pub year: i32,
-    /// Rule to judge by: one that `heliotile rules` lists, or a file of your own (.toml); may be
-    /// repeated
+    /// Rule to check: a name that `heliotile rules` lists, or a file with rules of your own
+    /// (.toml); may be repeated
     #[arg(long, value_name = "NAME|FILE")]
     pub rule: Vec<String>,
-    /// Archive or atlas before a change: adds its results, the minutes that changed and rules that
-    /// are newly broken
+    /// Archive or atlas before a change: adds its results, the minutes that changed, and the rules
+    /// that are newly broken
     #[arg(long, value_name = "BEFORE")]
     pub before: Option<PathBuf>,
-    /// Clock of results: hours ahead of UTC, such as +01:00, or a name such as Europe/Amsterdam,
-    /// whose summer time then counts [default: the clock of a given weather file, or whole hours by
-    /// the longitude]
+    /// Time zone of results: hours ahead of UTC, such as +01:00, or a name such as
+    /// Europe/Amsterdam, with its summer time [default: that of the weather file if one is given,
+    /// else whole hours by longitude]
     #[arg(long, value_name = "ZONE", allow_hyphen_values = true)]
     pub zone: Option<ClockZone>,
-    /// Least altitude of a sun that counts; rules have altitudes of their own, the higher one
-    /// counts
+    /// Least altitude of the sun that counts, degrees; if a rule states one too, the higher one
+    /// applies
     #[arg(long, value_name = "DEGREES", default_value_t = 0.0)]
     pub least_altitude: f64,
-    /// Refine moments that depend on an edge within a texel by rays of the scene in the archive
+    /// Refine moments at which an edge within a texel decides, by casting rays at the scene in the
+    /// archive
     #[arg(long)]
     pub exact: bool,
 }
@@ -65,11 +67,11 @@ pub struct SunlightArgs {
     #[command(flatten)]
     pub table: TableArgs,
     /// Draw a map of the first date or rule (.png), from above and from the south-west; may be
-    /// repeated; a table is then written only if --output names one
+    /// repeated. A table is then written only if --output names one
     #[arg(long, value_name = "FILE")]
     pub plot: Vec<PathBuf>,
-    /// Days: 03-21, 2026-03-21, 02-19..10-21 or year, separated by commas; with --rule the days of
-    /// rules that state none
+    /// Days to compute, separated by commas: 03-21, 2026-03-21, 02-19..10-21 or year; with --rule,
+    /// the days for rules that state none
     #[arg(long, value_name = "DAYS", value_delimiter = ',')]
     pub dates: Vec<DaySpan>,
     /// Period of a row, without --rule: a day, or all days of a month, a year or all of them
@@ -77,11 +79,12 @@ pub struct SunlightArgs {
     pub every: Every,
     #[command(flatten)]
     pub days: DayArgs,
-    /// Share of a group's area that must be lit for a moment to count, without --rule [default: any
-    /// of it]
+    /// Share of a row's area that must be lit for a moment to count, without --rule [default: any
+    /// part of it]
     #[arg(long, value_name = "SHARE", default_value_t = 0.0, hide_default_value = true)]
     pub lit_share: f64,
-    /// Weather file whose sunny hours count (DNI of at least 120 W/m2), for rules of probable hours
+    /// Weather file for rules of probable sunlight hours: hours with a DNI of at least 120 W/m2
+    /// count as sunny
     #[arg(long, short)]
     pub weather: Option<PathBuf>,
     #[command(flatten)]
@@ -106,18 +109,20 @@ impl SunlightArgs {
 pub struct GlareArgs {
     #[command(flatten)]
     pub table: TableArgs,
-    /// Draw a calendar, days by clock, coloured by pane (.svg), or a map of the first row or rule
-    /// (.png); may be repeated; a table is then written only if --output names one
+    /// Draw a calendar, days by time of day, coloured by pane (.svg), or a map of the first row or
+    /// rule (.png); may be repeated. A table is then written only if --output names one
     #[arg(long, value_name = "FILE")]
     pub plot: Vec<PathBuf>,
-    /// Table with a row for each spell of sun: receiver, day, start, end, pane, irradiance, angles
+    /// Table to write with a row for each spell, a time of unbroken reflected sun: receiver, day,
+    /// start, end, pane, irradiance, angles
     #[arg(long, value_name = "FILE")]
     pub spells: Option<PathBuf>,
-    /// Table or map of the panes: minutes in which each throws the sun at receivers
+    /// Table or map to write of the panes, with the minutes in which each reflects the sun to
+    /// receivers
     #[arg(long, value_name = "FILE")]
     pub panes: Option<PathBuf>,
-    /// Days: 03-21, 2026-03-21, 02-19..10-21 or year, separated by commas; with --rule the days of
-    /// rules that state none
+    /// Days to compute, separated by commas: 03-21, 2026-03-21, 02-19..10-21 or year; with --rule,
+    /// the days for rules that state none
     #[arg(long, value_name = "DAYS", value_delimiter = ',', default_value = "year")]
     pub dates: Vec<DaySpan>,
     /// Period of a row, without --rule: a day, or all days of a month, a year or all of them
@@ -126,12 +131,13 @@ pub struct GlareArgs {
     pub every: Option<Every>,
     #[command(flatten)]
     pub days: DayArgs,
-    /// Least angle between the sun and a sun in a mirror that counts; the larger one of this and a
-    /// rule's angle counts
+    /// Least angle between the sun and its image in a mirror that counts, degrees; if a rule states
+    /// one too, the larger one applies
     #[arg(long, value_name = "DEGREES", default_value_t = 0.0)]
     pub least_deflection: f64,
-    /// Largest angle between a receiver's normal, its direction of view, and a sun in a mirror that
-    /// counts: 30 for a driver; the smaller one of this and a rule's angle counts
+    /// Largest angle between the direction of view of a receiver, its normal, and an image of the
+    /// sun in a mirror that counts, degrees: 30 for a driver; if a rule states one too, the smaller
+    /// one applies
     #[arg(long, value_name = "DEGREES", default_value_t = 90.0)]
     pub view_angle: f64,
 }
@@ -153,6 +159,6 @@ impl GlareArgs {
 
 #[derive(Args, Debug)]
 pub struct RulesArgs {
-    /// Print the file of this rule, to be copied and changed [default: list all of them]
+    /// Rule whose file is printed, to be copied and changed [default: list all rules]
     pub name: Option<String>,
 }

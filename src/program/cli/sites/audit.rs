@@ -17,25 +17,26 @@ pub struct AuditArgs {
     pub archive: PathBuf,
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Weather file whose hours are sampled, 12 positions of the sun in each [default: moments with
-    /// suns from all sides]
+    /// Weather file from which hours are sampled, 12 positions of the sun in each [default: suns
+    /// from all sides]
     #[arg(long, short)]
     pub weather: Option<PathBuf>,
-    /// Table of suns and skies in place of weather, as `query` takes it:
-    /// condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2; up to 64 of them are all
-    /// checked for each receiver
+    /// Table of suns and skies in place of weather, as for `query`:
+    /// condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2. If it has up to 64 rows, each
+    /// receiver is checked under all of them
     #[arg(long, short, value_name = "FILE", conflicts_with = "weather")]
     pub conditions: Option<PathBuf>,
-    /// Receivers to check [default: 256, or as many as --seconds allow]
+    /// Number of receivers to check [default: 256, or as many as --seconds allow]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub samples: Option<u32>,
-    /// Hours to check for each of them [default: 8, or all of --conditions if they are 64 or fewer]
+    /// Number of hours to check for each receiver [default: 8, or all rows of --conditions if they
+    /// are 64 or fewer]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub hours: Option<u32>,
-    /// Stop checking after this time
+    /// Time limit, seconds: no receiver is started after it
     #[arg(long, value_name = "S", value_parser = parse_seconds)]
     pub seconds: Option<f64>,
-    /// Paths of light that the reference path tracer follows from each receiver
+    /// Number of light paths that the reference path tracer follows from each receiver
     #[arg(long, value_name = "N", default_value_t = 4096, value_parser = clap::value_parser!(u32).range(AuditRequest::PATHS))]
     pub paths: u32,
     /// Seed of the random choice of receivers, hours and paths

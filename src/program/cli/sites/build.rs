@@ -42,53 +42,52 @@ const PLANNED: [&str; 23] = [
 pub struct BuildArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Receivers: receiver,x,y,z,nx,ny,nz and optionally area,surface
+    /// Table of receivers, CSV with columns receiver,x,y,z,nx,ny,nz and optionally area,surface
     #[arg(long, short)]
     pub receivers: Option<PathBuf>,
     /// Archive to write
     #[arg(long, short, value_name = "SITE.helio")]
     pub output: Option<PathBuf>,
-    /// Build one part of the atlas whose folder or address SCENE is, by its name or number, or
-    /// `all` of them; the atlas holds the inputs and settings
+    /// Build one part of an atlas, by its name or number, or `all` parts. SCENE is then the folder
+    /// or address of the atlas, which states inputs and settings
     #[arg(long, value_name = "K", conflicts_with_all = PLANNED)]
     pub part: Option<String>,
-    /// Seconds between checkpoints: the most work that a crash costs
+    /// Seconds between checkpoints: a crash loses no more work than this
     #[arg(long, value_name = "SECONDS", default_value_t = 30, value_parser = parse_seconds)]
     pub checkpoint: u32,
-    /// Discard an interrupted build at this path and start anew; without it, a build of the same
-    /// inputs is resumed, and one of other inputs is not discarded
+    /// Discard an interrupted build at the output path and start again. Without this option a build
+    /// of the same inputs is resumed, and a build of other inputs is an error
     #[arg(long)]
     pub fresh: bool,
-    /// Sharing of probes between receivers: `cells` (default), or `none`: a hemisphere of its own
-    /// for every hit, the slow reference
+    /// Sharing of probes (traced samples of what the surroundings see) between receivers
     #[arg(long, value_parser = choice::<Share>(), default_value = "cells", conflicts_with = "error")]
     pub share: Share,
-    /// Light paths to trace: `auto` (those that the scene calls for), `all`, `none`, or some of
-    /// diffuse, bounces, mirrors, canopies, leaves
+    /// Light paths to trace besides direct sun and sky: `auto` (those that can matter in the
+    /// scene), `all`, `none`, or some of diffuse, bounces, mirrors, canopies, leaves
     #[arg(long, value_name = "LIST", default_value_t = EffectChoice::Auto)]
     pub effects: EffectChoice,
-    /// Leave out effects whose light makes up no more than this of the sum over a weather file, in
-    /// each group of receivers, such as 0.5%
+    /// Leave out light paths that add no more than this share of the sum over --weather, in any
+    /// group of receivers, such as 0.5%
     #[arg(long, value_name = "PERCENT", value_parser = parse_negligible, requires = "weather", conflicts_with = "effects")]
     pub negligible: Option<Percent>,
-    /// Weather file that the light of effects is computed for
+    /// Weather file of --negligible: light paths are left out by what they add under it
     #[arg(long, short, value_name = "FILE", requires = "negligible")]
     pub weather: Option<PathBuf>,
-    /// Folder with traces of earlier builds, of any project: nothing is traced twice, and this
-    /// build is added
+    /// Cache folder with traces of earlier builds of any project: what it holds is not traced
+    /// again, and the traces of this build are added
     #[arg(long, value_name = "FOLDER")]
     pub store: Option<PathBuf>,
-    /// Archive of this scene before it was changed, or with --part such an atlas, a path or an
-    /// address: only light that the change can alter is traced, and the new archive has the bytes
-    /// that it would have without this option
+    /// Archive of this scene before a change, or with --part an atlas of it; a path or an address.
+    /// Only light that the change can alter is traced; the new archive has the same bytes as
+    /// without this option
     #[arg(long, value_name = "BEFORE.helio")]
     pub from: Option<PathBuf>,
-    /// With --from: keep light that the change can alter by less than this share of the light on
-    /// open ground, in the mean over the sky, such as 1%. The archive is a preview, and says so;
-    /// the same command without this option completes it
+    /// Keep light of --from that the change alters by less than this share of the light on open
+    /// ground, on average over the sky, such as 1%. The new archive is marked as a preview; the
+    /// same command without this option completes it
     #[arg(long, value_name = "PERCENT", value_parser = parse_preview, requires = "from")]
     pub preview: Option<Percent>,
-    /// Leave the scene's triangles out of the archive, for those who may not pass them on
+    /// Leave the scene's triangles out of the archive, if they may not be passed on
     #[arg(long)]
     pub no_scene: bool,
     #[command(flatten)]
@@ -106,18 +105,19 @@ pub struct BuildArgs {
 pub struct PlanArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Receivers: receiver,x,y,z,nx,ny,nz and optionally area,surface
+    /// Table of receivers, CSV with columns receiver,x,y,z,nx,ny,nz and optionally area,surface
     #[arg(long, short)]
     pub receivers: PathBuf,
-    /// Light paths to trace: `auto` (those that the scene calls for), `all`, `none`, or some of
-    /// diffuse, bounces, mirrors, canopies, leaves
+    /// Light paths to trace besides direct sun and sky: `auto` (those that can matter in the
+    /// scene), `all`, `none`, or some of diffuse, bounces, mirrors, canopies, leaves
     #[arg(long, value_name = "LIST", default_value_t = EffectChoice::Auto)]
     pub effects: EffectChoice,
-    /// Weather file: also print what each effect contributes in its time, by groups of receivers
+    /// Weather file under which to print also the light that each light path adds, by group of
+    /// receivers
     #[arg(long, short, value_name = "FILE")]
     pub weather: Option<PathBuf>,
-    /// Leave out effects whose light makes up no more than this of the sum over the weather file,
-    /// in each group of receivers, such as 0.5%
+    /// Leave out light paths that add no more than this share of the sum over --weather, in any
+    /// group of receivers, such as 0.5%
     #[arg(long, value_name = "PERCENT", value_parser = parse_negligible, requires = "weather", conflicts_with = "effects")]
     pub negligible: Option<Percent>,
     #[command(flatten)]

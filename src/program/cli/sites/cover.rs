@@ -13,23 +13,27 @@ use heliotile_results::covering::{CoverRequest, Density};
 pub struct ReceiversArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Table to write: receiver,x,y,z,nx,ny,nz,area,surface and the part of the model that each
-    /// stands for; - for standard output
+    /// Table of receivers to write, CSV, or - for standard output:
+    /// receiver,x,y,z,nx,ny,nz,area,surface, and the object, building and kind that each receiver
+    /// stands for
     #[arg(long, short, default_value = "-")]
     pub output: PathBuf,
     #[command(flatten)]
     pub cover: CoverArgs,
-    /// Table to write of the buried receivers, with the same columns and `reason`
+    /// Table to write of receivers that are left out because they are buried in an object or the
+    /// terrain, with the same columns and `reason`
     #[arg(long, value_name = "FILE")]
     pub buried: Option<PathBuf>,
-    /// Put receivers along lines in place of surfaces, --spacing apart, looking in the direction of
-    /// travel: a CSV file of corners with columns x and y, and optionally z and line (a name)
+    /// Put receivers along lines, such as roads, in place of surfaces, --spacing apart and facing
+    /// the direction of travel: a CSV file of the corners of the lines with columns x and y, and
+    /// optionally z and line (a name)
     #[arg(long, value_name = "FILE", conflicts_with_all = ["on", "types", "per_surface", "buried", "offset", "min_area"])]
     pub along: Option<PathBuf>,
-    /// Height of eyes above the road, or above the ground of the scene where --along states no z
+    /// Height of the receivers, the eyes of drivers, above the z of --along, or above the ground of
+    /// the scene where --along states no z
     #[arg(long, value_name = "LENGTH", default_value = "1.2m", requires = "along")]
     pub eye_height: Metres,
-    /// With --along: receivers look back as well, as people travel both ways
+    /// Add receivers of --along that face backwards, for travel in both directions
     #[arg(long, requires = "along")]
     pub both_ways: bool,
 }
@@ -37,25 +41,25 @@ pub struct ReceiversArgs {
 /// Surfaces that receivers go on.
 #[derive(Args, Clone, Debug)]
 pub struct CoverArgs {
-    /// Surfaces to cover: roof, wall, window, ground, floor (surfaces that look down), shade, all,
-    /// or names of materials [default: roofs, walls and windows, and outdoor floors of a building
-    /// model; of a building model only what the sun may reach]
+    /// Surfaces to cover: roof, wall, window, ground, floor (surfaces that face down), shade, all,
+    /// or names of materials; several with commas [default: roofs, walls and windows; of a building
+    /// energy model also outdoor floors, and only surfaces that the sun can reach]
     #[arg(long, value_delimiter = ',')]
     pub on: Vec<String>,
-    /// Objects of a city model to cover, by their type, such as Bridge,GenericCityObject, or all
-    /// [default: buildings; any for --on ground and names of materials]
+    /// Types of city objects to cover, such as Bridge,GenericCityObject, or all [default:
+    /// buildings; all types for --on ground and names of materials]
     #[arg(long, value_delimiter = ',', value_name = "TYPES")]
     pub types: Vec<String>,
     /// Distance between receivers, such as 2m or 50cm
     #[arg(long, value_name = "LENGTH", default_value = "2m", conflicts_with = "per_surface")]
     pub spacing: Metres,
-    /// Receivers on each surface
+    /// Number of receivers on each surface, in place of --spacing
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub per_surface: Option<u32>,
     /// Distance of receivers from their surfaces
     #[arg(long, value_name = "LENGTH", default_value = "20mm")]
     pub offset: Metres,
-    /// Surfaces with less area than this get no receiver, m2
+    /// Least area of a surface that gets receivers, m2
     #[arg(long, value_name = "AREA", default_value_t = 0.1, value_parser = parse_area)]
     pub min_area: f64,
 }
@@ -99,7 +103,11 @@ impl FromStr for Metres {
         let number = digits.trim().parse::<f64>().map_err(|_| format!("`{text}` is not a length: {hint}"))?;
         let metres = number * metres;
         // The comparison is false for NaN.
-        if (0.001..=10_000.0).contains(&metres) { Ok(Metres(metres)) } else { Err(format!("`{text}`: {hint}")) }
+        if (0.001..=10_000.0).contains(&metres) {
+            Ok(Metres(metres))
+        } else {
+            Err(format!("`{text}` is out of range: {hint}"))
+        }
     }
 }
 
@@ -116,7 +124,7 @@ mod tests {
 
     /// Five lengths are read in their units, six texts are refused.
     #[test]
-    fn lengths() {
+    fn lengths_are_read_in_their_units() {
         for (text, metres) in [("2m", 2.0), ("50 cm", 0.5), ("20mm", 0.02), ("1.5", 1.5), ("0.5km", 500.0)] {
             assert_eq!(text.parse::<Metres>(), Ok(Metres(metres)), "{text}");
         }

@@ -15,17 +15,18 @@ use heliotile_core::weather::options::WeatherOptions;
 
 #[derive(Args, Debug)]
 pub struct AccuracyArgs {
-    /// Rung of the accuracy ladder
+    /// Accuracy level: a named set of settings, from fast to accurate
     #[arg(long, value_parser = choice::<Quality>(), default_value = "standard", conflicts_with = "error")]
     pub quality: Quality,
-    /// Largest RMSE of hourly totals, in percent of their mean, such as 2%: settings are chosen by
-    /// trying some on a sample of the receivers
+    /// Largest error to accept, the RMSE of hourly totals in percent of their mean, such as 2%:
+    /// settings are tried on some of the receivers, and the cheapest that keep it are used
     #[arg(long, value_name = "PERCENT", conflicts_with = "set")]
     pub error: Option<Percent>,
-    /// Weather file to estimate errors under [default: suns from all sides]
+    /// Weather file under which the errors of --error are estimated [default: suns from all sides]
     #[arg(long, value_name = "FILE", requires = "error")]
     pub error_weather: Option<PathBuf>,
-    /// One of the settings that `info` lists, such as `--set hit=16 --set sky_fine=512`
+    /// Change one setting of the accuracy level, such as `--set hit=16 --set sky_fine=512`; `info`
+    /// of an archive lists the settings; may be repeated
     #[arg(long, value_name = "NAME=VALUE")]
     pub set: Vec<String>,
 }
@@ -70,8 +71,9 @@ impl FromStr for Percent {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let (least, most) = (AccuracyRequest::ERRORS.start(), AccuracyRequest::ERRORS.end());
-        percent(text, *least)
-            .ok_or_else(|| format!("`{text}` is no error to aim at: give {least} to {most} percent, as in 2%"))
+        percent(text, *least).ok_or_else(|| {
+            format!("`{text}` is not a possible largest error: give {least} to {most} percent, as in 2%")
+        })
     }
 }
 
@@ -84,26 +86,26 @@ fn percent(text: &str, least: f64) -> Option<Percent> {
 pub fn parse_negligible(text: &str) -> Result<Percent, String> {
     let most = AccuracyRequest::ERRORS.end();
     percent(text, LEAST_NEGLIGIBLE).ok_or_else(|| {
-        format!("`{text}` is nothing to leave out: give {LEAST_NEGLIGIBLE} to {most} percent, as in 0.5%")
+        format!("`{text}` is not a share that can be left out: give {LEAST_NEGLIGIBLE} to {most} percent, as in 0.5%")
     })
 }
 
 /// Parses the bound of a preview, percent: `1%`.
 pub fn parse_preview(text: &str) -> Result<Percent, String> {
     let (least, most) = (PREVIEWS.start(), PREVIEWS.end());
-    percent(text, *least)
-        .filter(|Percent(bound)| bound <= most)
-        .ok_or_else(|| format!("`{text}` is no bound for a preview: give {least} to {most} percent, as in 1%"))
+    percent(text, *least).filter(|Percent(bound)| bound <= most).ok_or_else(|| {
+        format!("`{text}` is not a possible bound of a preview: give {least} to {most} percent, as in 1%")
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// `2%`, `0.5 %` and `3` are percents; 5 wrong texts are refused. 0.01 % is no error to aim at,
-    /// but can be left out, and be the bound of a preview; 30 % cannot be a bound.
+    /// `2%`, `0.5 %` and `3` are percents; 5 wrong texts are refused. 0.01 % is too small for an
+    /// error, but can be left out, and be the bound of a preview; 30 % cannot be a bound.
     #[test]
-    fn percents() {
+    fn percents_have_a_range_for_each_use() {
         for (text, value) in [("2%", 2.0), ("0.5 %", 0.5), ("3", 3.0)] {
             assert_eq!(text.parse(), Ok(Percent(value)));
         }

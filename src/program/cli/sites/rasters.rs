@@ -7,16 +7,16 @@ use heliotile_scene::SurfaceRasters;
 
 #[derive(Args, Clone, Debug, Default)]
 pub struct RasterArgs {
-    /// Raster of surface heights above the sea (DSM: .tif, .asc): its steps become walls, the
-    /// plateaus and slopes between them roofs; with it no other scene file is needed
+    /// Raster of surface heights above sea level (DSM: .tif, .asc): its steps become walls, the
+    /// flat and sloping areas between them roofs; no other scene file is needed with it
     #[arg(long, value_name = "FILE")]
     pub dsm: Option<PathBuf>,
-    /// Raster of ground heights above the sea (DEM, DTM): surfaces 2 m above it are buildings, and
-    /// it continues beyond --dsm as terrain
+    /// Raster of ground heights above sea level (DEM, DTM): parts of --dsm that are at least 2 m
+    /// higher are buildings, and it continues beyond --dsm as terrain
     #[arg(long, value_name = "FILE", requires = "dsm")]
     pub dem: Option<PathBuf>,
-    /// Raster of heights of tree crowns above the ground (CDSM), which become canopies: group
-    /// `trees`, 3 % of the light through a crown
+    /// Raster of the heights of tree crowns above the ground (CDSM): crowns become canopies of the
+    /// group `trees` that let 3 % of the light through
     #[arg(long, value_name = "FILE", requires = "dsm")]
     pub canopy: Option<PathBuf>,
     /// Raster of land cover in UMEP's codes: 1 paved, 2 buildings, 5 grass, 6 bare soil, 7 water

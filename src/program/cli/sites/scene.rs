@@ -18,8 +18,8 @@ pub struct SceneArgs {
     /// Scene files, merged into one scene, or a site.toml that lists them: CityJSON (.city.json,
     /// .city.jsonl, .cityjson), CityGML (.gml, .xml, or a folder of tiles), footprints (.geojson,
     /// .shp, .gpkg, .parquet), terrain (.tif, .asc, .dem), EnergyPlus (.epjson, .idf), Honeybee
-    /// (.hbjson), glTF (.gltf, .glb), .obj, .ply, .stl, each maybe .gz or .zip; metres, x east, y
-    /// north, z up; footprints and CityGML may be in degrees
+    /// (.hbjson), glTF (.gltf, .glb), .obj, .ply, .stl; also packed (.gz, .zip). Coordinates are
+    /// metres, x east, y north, z up; footprints and CityGML may be in degrees
     #[arg(required_unless_present = "dsm", value_name = "SCENE")]
     pub scene: Vec<PathBuf>,
     #[command(flatten)]
@@ -35,9 +35,9 @@ pub struct SceneArgs {
 /// Base and height of buildings from footprints.
 #[derive(Args, Clone, Debug, Default)]
 pub struct FootprintArgs {
-    /// Heights of buildings above their base, for files of footprints: a column, or metres for all,
-    /// or several of which the first that is stated counts, as in HGT,9m [default: height,
-    /// building:height and the like, then storeys]
+    /// Height of buildings above their base, for files of footprints: a column, or metres for all
+    /// buildings, or several, of which the first with a value counts, as in HGT,9m [default:
+    /// columns such as height and building:height, then storeys]
     #[arg(long, value_delimiter = ',', value_name = "COLUMN|METRES")]
     pub height: Vec<HeightSource>,
     /// Height of a storey, for footprints that state storeys and no height [default: 3m]
@@ -63,20 +63,20 @@ impl FootprintArgs {
 /// Reflectances of surfaces, and whether ground is added.
 #[derive(Args, Clone, Debug)]
 pub struct MaterialsArgs {
-    /// Reflectances, one table per material name: they win over those that the files state;
-    /// materials without a table keep their own values, or usual ones
+    /// File of reflectances (TOML), one table for each material name. They replace those of the
+    /// scene files; materials without a table keep their own values, or get usual ones
     #[arg(long, short)]
     pub materials: Option<PathBuf>,
-    /// Ignore all materials that the files state: --materials has to name all of them
+    /// Ignore the materials of the scene files; --materials has to describe all of them
     #[arg(long)]
     pub materials_only: bool,
-    /// Add no ground to a scene that has none [default: a plane below it, for an EnergyPlus model
-    /// as the model states]
+    /// Add no ground to a scene that has none [default: add a plane below it; for an EnergyPlus
+    /// model, as the model states]
     #[arg(long)]
     pub no_ground: bool,
-    /// Take EnergyPlus models for models of this version, whatever they state: it says what the
-    /// fields of an IDF mean. `energyplus` takes a model of any version with 25.2, for EnergyPlus
-    /// 25.2 to run as it is
+    /// Read EnergyPlus models as models of this version, whatever version they state; it decides
+    /// what the fields of an IDF mean. With 25.2, `energyplus` accepts models of any version, for
+    /// EnergyPlus 25.2 to run as they are
     #[arg(long, value_name = "VERSION")]
     pub assume_version: Option<ModelVersion>,
 }
@@ -101,21 +101,22 @@ pub struct PlaceArgs {
     /// Coordinate reference system of the scene's coordinates, in metres: EPSG:28992 or 28992
     #[arg(long, value_name = "EPSG", value_parser = parse_crs)]
     pub crs: Option<u32>,
-    /// Latitude of the scene, north positive; y is true north unless a coordinate system says more
+    /// Latitude of the scene, degrees, north positive; y is then true north, unless a coordinate
+    /// system states otherwise
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, requires = "longitude", value_parser = parse_latitude)]
     pub latitude: Option<f64>,
-    /// Longitude of the scene, east positive
+    /// Longitude of the scene, degrees, east positive
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, requires = "latitude", value_parser = parse_longitude)]
     pub longitude: Option<f64>,
-    /// Turn the model clockwise as seen from above, by the angle of its y axis from north (the
-    /// north axis of EnergyPlus); coordinates stay
+    /// Angle of the model's y axis from north, degrees, clockwise as seen from above (the north
+    /// axis of EnergyPlus); coordinates stay
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = parse_rotation)]
     pub rotate_deg: Option<f64>,
     /// Height above sea level of z = 0, metres, for all files but terrain
     #[arg(long, value_name = "METRES", allow_negative_numbers = true, value_parser = parse_elevation)]
     pub elevation: Option<f64>,
-    /// Metres per unit of all files but terrain: 0.001 for millimetres; 0.3048 or 0.3048006 also
-    /// holds for terrain in feet if its file does not state the unit
+    /// Metres per unit of all files but terrain: 0.001 for millimetres. 0.3048 and 0.3048006 (feet)
+    /// also apply to terrain whose file does not state its unit
     #[arg(long, value_name = "METRES", value_parser = parse_scale)]
     pub scale: Option<f64>,
     /// The axis that points up in OBJ, PLY and STL files: z, with y to the north, or y, with z to
@@ -208,7 +209,7 @@ mod tests {
     /// Three spellings of RD New are 28992. A system in degrees, an unknown one and a name are
     /// refused with a hint. Two axes may point up.
     #[test]
-    fn systems() {
+    fn three_spellings_name_one_system() {
         for text in ["28992", "EPSG:28992", " epsg:28992"] {
             assert_eq!(parse_crs(text), Ok(28992), "{text}");
         }

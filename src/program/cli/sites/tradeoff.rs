@@ -15,23 +15,25 @@ use heliotile_results::TradeoffRequest;
 pub struct TradeoffArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Receivers: receiver,x,y,z,nx,ny,nz and optionally area,surface
+    /// Table of receivers, CSV with columns receiver,x,y,z,nx,ny,nz and optionally area,surface
     #[arg(long, short)]
     pub receivers: PathBuf,
     /// Folder to write tradeoff.csv, pictures and index.html into
     #[arg(long, short, value_name = "FOLDER")]
     pub output: PathBuf,
-    /// Receivers to try settings on, spread over the site
+    /// Number of receivers to try settings on, spread over the site
     #[arg(long, default_value_t = 32, value_parser = clap::value_parser!(u16).range(TradeoffRequest::SAMPLES))]
     pub sample: u16,
-    /// Weather file to estimate errors and to time replays under [default: suns from all sides]
+    /// Weather file under which errors are estimated and replays are timed [default: suns from all
+    /// sides]
     #[arg(long, short)]
     pub weather: Option<PathBuf>,
-    /// Also try each setting alone: sources.csv and a picture (takes several times as long)
+    /// Also try each setting alone, and write sources.csv and a picture (takes several times as
+    /// long)
     #[arg(long)]
     pub sources: bool,
-    /// Light paths to trace: `auto` (those that the scene calls for), `all`, `none`, or some of
-    /// diffuse, bounces, mirrors, canopies, leaves
+    /// Light paths to trace besides direct sun and sky: `auto` (those that can matter in the
+    /// scene), `all`, `none`, or some of diffuse, bounces, mirrors, canopies, leaves
     #[arg(long, value_name = "LIST", default_value_t = EffectChoice::Auto)]
     pub effects: EffectChoice,
     /// Memory to work in, such as 512MiB or 2GiB

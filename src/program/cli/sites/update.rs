@@ -15,7 +15,7 @@ use heliotile_scene::request::SceneRequest;
 
 #[derive(Args, Debug)]
 pub struct UpdateArgs {
-    /// Archive of the scene before the edits, which holds its scene: a path or an address
+    /// Archive to edit, which must hold the triangles of its scene: a path or an address
     #[arg(value_name = "BEFORE.helio")]
     pub before: PathBuf,
     /// Archive to write
@@ -24,7 +24,7 @@ pub struct UpdateArgs {
     /// Add the objects of a scene file, in the coordinates of the scene; may be repeated
     #[arg(long, value_name = "FILE")]
     pub add: Vec<PathBuf>,
-    /// Remove an object or a building; may be repeated, as the options below
+    /// Remove an object or a building; may be repeated, as --move, --height and --material may
     #[arg(long, value_name = "OBJECT")]
     pub remove: Vec<String>,
     /// Move an object by these metres along x, y and z; its receivers go with it
@@ -34,26 +34,27 @@ pub struct UpdateArgs {
     /// height of 12m over its lowest point
     #[arg(long, value_name = "OBJECT=HEIGHT", value_parser = clap::value_parser!(ObjectHeight))]
     pub height: Vec<ObjectHeight>,
-    /// Give all of an object a material of the scene or of --materials
+    /// Give all surfaces of an object a material of the scene or of --materials
     #[arg(long, value_name = "OBJECT=MATERIAL", value_parser = clap::value_parser!(ObjectMaterial))]
     pub material: Vec<ObjectMaterial>,
     #[command(flatten)]
     pub surfaces: MaterialsArgs,
     #[command(flatten)]
     pub place: PlaceArgs,
-    /// Surfaces of new or reshaped objects to cover with receivers, as `receivers` takes them
+    /// Surfaces of new or reshaped objects to cover with receivers, as for `receivers`
     #[arg(long, value_delimiter = ',')]
     pub on: Vec<String>,
-    /// Distance between these receivers, such as 2m [default: about that of the archive's own]
+    /// Distance between the receivers on new or reshaped objects, such as 2m [default: about that
+    /// of the archive's own]
     #[arg(long, value_name = "LENGTH")]
     pub spacing: Option<Metres>,
-    /// Keep light that the edits can alter by less than this share of the light on open ground, in
-    /// the mean over the sky, such as 1%. The archive is a preview, and says so; the same command
+    /// Keep light that the edits alter by less than this share of the light on open ground, on
+    /// average over the sky, such as 1%. The new archive is marked as a preview; the same command
     /// without this option completes it
     #[arg(long, value_name = "PERCENT", value_parser = parse_preview)]
     pub preview: Option<Percent>,
-    /// Discard an interrupted update at this path and start anew; without it, an update of the same
-    /// edits is resumed
+    /// Discard an interrupted update at the output path and start again. Without this option an
+    /// update with the same edits is resumed
     #[arg(long)]
     pub fresh: bool,
     /// Memory to work in, such as 512MiB or 2GiB

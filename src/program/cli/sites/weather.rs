@@ -12,11 +12,11 @@ use heliotile_core::weather::options::{DateOrder, StampedAt, TimeShift, WeatherO
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "About the weather file")]
 pub struct WeatherArgs {
-    /// Latitude of the weather file, north positive, in place of its own [default for files
-    /// without: the place of the scene]
+    /// Latitude of the weather, degrees, north positive, in place of that of the file [default if
+    /// the file states none: that of the scene]
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = parse_latitude)]
     pub latitude: Option<f64>,
-    /// Longitude of the weather file, east positive, in place of its own
+    /// Longitude of the weather, degrees, east positive, in place of that of the file
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = parse_longitude)]
     pub longitude: Option<f64>,
     #[command(flatten)]
@@ -28,20 +28,22 @@ pub struct WeatherArgs {
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "About the weather file")]
 pub struct ClockArgs {
-    /// Time zone of the file's clock, hours ahead of UTC, such as +01:00, -7 or UTC, in place of
-    /// its own; if time stamps state an offset, the zone of days and labels
+    /// Time zone of the weather file's clock, hours ahead of UTC, such as +01:00, -7 or UTC, in
+    /// place of that of the file. If its time stamps state an offset, the zone of days and labels
+    /// in results
     #[arg(long, value_name = "ZONE", allow_hyphen_values = true, value_parser = parse_time_zone)]
     pub time_zone: Option<f64>,
-    /// Shift of the file's time stamps, such as 41min, -30min or 0.5h; `auto` takes the shift that
-    /// fits GHI, DNI and DHI best if it fits clearly better
+    /// Shift of the weather file's time stamps, such as 41min, -30min or 0.5h; `auto` chooses the
+    /// shift under which GHI, DNI and DHI agree best, if they agree clearly better
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub shift: Option<TimeShift>,
-    /// Place of a time stamp in its interval, the middle for values at one moment [default: what
-    /// format, names of columns or hours 1 to 24 say; start for plain CSV]
+    /// Position of the weather file's time stamps in their intervals; middle for values at one
+    /// moment [default: as the format, the names of columns or hours 1 to 24 imply; start for plain
+    /// CSV]
     #[arg(long, value_parser = choice::<StampedAt>())]
     pub weather_stamp: Option<StampedAt>,
-    /// Order of day and month in dates of three numbers, such as 01/06/2021 [default: what the
-    /// whole column shows]
+    /// Order of day and month in the weather file's dates of three numbers, such as 01/06/2021
+    /// [default: what the whole column shows]
     #[arg(long, value_parser = choice::<DateOrder>())]
     pub date_order: Option<DateOrder>,
 }

@@ -33,7 +33,7 @@ mod tests {
 
     /// The five periods are parsed from their names and print them again; `week` is refused.
     #[test]
-    fn names() {
+    fn five_periods_are_parsed_by_name() {
         let command = clap::Command::new("heliotile").arg(clap::Arg::new("every").value_parser(choice::<Every>()));
         let taken =
             |name: &str| Some(*command.clone().try_get_matches_from(["heliotile", name]).ok()?.get_one("every")?);

@@ -11,11 +11,11 @@ use heliotile_builder::transfer::{Bounds, Selection};
 #[derive(Args, Debug)]
 #[group(id = "selection", multiple = false)]
 pub struct SelectionArgs {
-    /// Only the receivers of a CSV file: ids in a column `receiver`
+    /// Only the receivers listed in a CSV file: ids in a column `receiver`
     #[arg(long, short, value_name = "FILE")]
     pub receivers: Option<PathBuf>,
-    /// Only the receivers in a box, scene coordinates in metres: xmin,ymin,xmax,ymax and optionally
-    /// zmin,zmax; of an atlas, no other part is opened
+    /// Only the receivers in a box, coordinates of the scene in metres: xmin,ymin,xmax,ymax and
+    /// optionally zmin,zmax; of an atlas, only parts that touch it are opened
     #[arg(long, value_name = "BOX", allow_hyphen_values = true, value_parser = parse_bounds)]
     pub bbox: Option<Bounds>,
     /// Only the receivers of these surfaces

@@ -10,7 +10,7 @@ const LEAST_MEMORY: u64 = 64 << 20;
 /// Parses the memory to work in.
 pub fn parse_memory(text: &str) -> Result<Bytes, String> {
     match text.parse()? {
-        Bytes(bytes) if bytes < LEAST_MEMORY => Err("the least is 64MiB".into()),
+        Bytes(bytes) if bytes < LEAST_MEMORY => Err("give at least 64MiB".into()),
         bytes => Ok(bytes),
     }
 }
