@@ -152,9 +152,9 @@ impl PlacesRequest {
 
 impl NamedValues for PlaceOn {
     const VALUES: &'static [(&'static str, &'static str, Self)] = &[
-        ("roofs", "Surfaces that look up", PlaceOn::Roofs),
-        ("facades", "Surfaces that look to the side", PlaceOn::Facades),
-        ("both", "Both of them", PlaceOn::Both),
+        ("roofs", "Surfaces that face up", PlaceOn::Roofs),
+        ("facades", "Surfaces that face to the side", PlaceOn::Facades),
+        ("both", "Roofs and facades", PlaceOn::Both),
     ];
 }
 

@@ -37,9 +37,9 @@ impl Quality {
 
 impl NamedValues for Quality {
     const VALUES: &'static [(&'static str, &'static str, Self)] = &[
-        ("draft", "A quick look", Quality::Draft),
-        ("standard", "The best balance of error and time", Quality::Standard),
+        ("draft", "For a quick look", Quality::Draft),
+        ("standard", "For most work: near the knee of error against time", Quality::Standard),
         ("fine", "For publication", Quality::Fine),
-        ("reference", "To check the others against", Quality::Reference),
+        ("reference", "To measure the errors of the others against", Quality::Reference),
     ];
 }

@@ -181,8 +181,8 @@ impl BuildSettings {
 
 impl NamedValues for Share {
     const VALUES: &'static [(&'static str, &'static str, Self)] = &[
-        ("cells", "All receivers that see a cell share its hemisphere", Share::Cells),
-        ("none", "No receivers share: every hit has a hemisphere of its own", Share::None),
+        ("cells", "Receivers that see the same cell of a surface share its probe", Share::Cells),
+        ("none", "No sharing: a hemisphere of its own for every hit, a slow reference", Share::None),
     ];
 }
 

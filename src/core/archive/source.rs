@@ -102,8 +102,12 @@ fn bytes_of(file: File, _: Access) -> io::Result<Box<dyn ReadAt>> {
 
 impl NamedValues for Access {
     const VALUES: &'static [(&'static str, &'static str, Self)] = &[
-        ("map", "Through a mapping: fastest once the file is in memory", Access::Mapped),
-        ("pread", "By reads at a position: for files that others may shorten, and network file systems", Access::Read),
+        ("map", "Map the file into memory: fastest once the file is cached", Access::Mapped),
+        (
+            "pread",
+            "Read pieces of the file: for files that other programs may shorten, and network file systems",
+            Access::Read,
+        ),
     ];
 }
 

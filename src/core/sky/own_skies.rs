@@ -29,8 +29,8 @@ pub enum SkyScale {
 
 impl NamedValues for SkyScale {
     const VALUES: &'static [(&'static str, &'static str, Self)] = &[
-        ("dhi", "each sky is scaled to the diffuse irradiance of its hour or condition", SkyScale::Dhi),
-        ("given", "radiances count as they are, and their integral replaces the diffuse irradiance", SkyScale::Given),
+        ("dhi", "Each sky is scaled to the diffuse irradiance of its hour or condition", SkyScale::Dhi),
+        ("given", "Radiances count as they are, and their integral replaces the diffuse irradiance", SkyScale::Given),
     ];
 }
 

@@ -200,9 +200,9 @@ pub fn parse_zone(text: &str) -> Option<f64> {
 
 impl NamedValues for StampedAt {
     const VALUES: &'static [(&'static str, &'static str, Self)] = &[
-        (StampedAt::Start.name(), "The interval starts at the time stamp", StampedAt::Start),
-        (StampedAt::Middle.name(), "The time stamp is the middle of the interval", StampedAt::Middle),
-        (StampedAt::End.name(), "The interval ends at the time stamp", StampedAt::End),
+        (StampedAt::Start.name(), "Start of the interval", StampedAt::Start),
+        (StampedAt::Middle.name(), "Middle of the interval", StampedAt::Middle),
+        (StampedAt::End.name(), "End of the interval", StampedAt::End),
     ];
 }
 

@@ -250,13 +250,13 @@ impl NamedValues for By {
         ("receiver", "One row for each receiver", By::Receiver),
         (
             "surface",
-            "One for each surface: the mean of its receivers, weighted by their areas, or plain if none has an area",
+            "One row for each surface: the mean of its receivers, weighted by their areas, or plain if none has an area",
             By::Surface,
         ),
-        ("window", "One for each surface that is a window", By::Window),
-        ("object", "One for each object of the model: city objects, zones and shades", By::Object),
-        ("building", "One for each building, with all of its parts", By::Building),
-        ("kind", "One for each kind of surface: roof, wall, window, ground, floor, shade", By::Kind),
+        ("window", "One row for each surface that is a window", By::Window),
+        ("object", "One row for each object of the model: city objects, zones and shades", By::Object),
+        ("building", "One row for each building, with all of its parts", By::Building),
+        ("kind", "One row for each kind of surface: roof, wall, window, ground, floor, shade", By::Kind),
     ];
 }
 
