@@ -71,7 +71,7 @@ fn targets_are_kept() {
     assert!(read("alone.helio") == read("4.helio"));
 
     let info = stdout(&folder.run("info 1.helio"));
-    assert!(info.contains("RMSE of hourly totals; 1 % wanted") && info.contains("tile 0 (40 receivers): "), "{info}");
+    assert!(info.contains("RMSE of hourly totals; target 1 %") && info.contains("tile 0 (40 receivers): "), "{info}");
     folder.write("some.csv", "receiver\nr1\nr2\n");
     assert_eq!(folder.run("extract 1.helio -r some.csv -o some.helio").status.code(), Some(0));
     let some = Archive::open(&folder.path("some.helio")).expect("an archive").manifest().accuracy.clone();

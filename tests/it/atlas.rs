@@ -379,7 +379,7 @@ fn wrong_inputs_and_misplaced_archives_are_refused() {
         (format!("{partition} -o new --skyline 95"), ["--skyline", "0.1 to 90"]),
         (format!("{partition} -o new --set nothing=1"), ["nothing", "to fix"]),
         ("partition nowhere.city.json -o new".into(), ["nowhere.city.json", "No such file"]),
-        ("build atlas".into(), ["is an atlas: which parts", "--part all"]),
+        ("build atlas".into(), ["is an atlas, and the part to build is not given", "--part all"]),
         (format!("build {model}"), ["receivers and the archive to write", "-r"]),
         ("build atlas --part 9".into(), ["no part `9`", "0 to 3"]),
         ("build atlas --part x0_y0 -o site.helio".into(), ["--part", "cannot be used with"]),
@@ -496,5 +496,5 @@ fn a_catalogue_states_digests_and_footprints() {
     let found = stdout(&done(&folder, "find atlas --bbox 78700,457900,78720,458000"));
     assert_eq!(found.lines().count(), 1 + 2, "{found}");
     assert!(found.contains("x1749_y10176,78705,457920,built,atlas/parts/x1749_y10176/site.helio"), "{found}");
-    folder.refused("find atlas --bbox 0,0,1,1", &["no part of it lies in the box", "--bbox"]);
+    folder.refused("find atlas --bbox 0,0,1,1", &["no part of the atlas touches the box", "--bbox"]);
 }

@@ -281,7 +281,7 @@ fn merged_parts_have_the_bytes_of_the_original() {
     }
     let merged = stdout(&folder.run("merge few.helio front.helio -o merged.helio"));
     assert!(
-        merged.contains("3 receivers in 1 tile,") && merged.contains("2 of few.helio, 1 of front.helio, 0 of both")
+        merged.contains("3 receivers in 1 tile,") && merged.contains("2 from few.helio, 1 from front.helio, 0 in both")
     );
     let bytes = |name: &str| fs::read(folder.path(name)).expect("an archive");
     assert!(bytes("merged.helio") == bytes("site.helio"));

@@ -237,7 +237,7 @@ fn output_extensions_are_checked_first() {
     folder.refused(&format!("{build} m.obj"), &["m.obj: does not end with .helio", "name it m.helio"]);
     folder.refused(&format!("{build} m"), &["name it m.helio"]);
     folder.refused(&format!("{build} no/such/m.helio"), &["there is no folder no/such", "mkdir -p no/such"]);
-    folder.refused(&format!("{build} scene.obj/m.helio"), &["scene.obj is no folder"]);
+    folder.refused(&format!("{build} scene.obj/m.helio"), &["scene.obj is not a folder"]);
     folder.refused("extract none.helio --surface a -o m.csv", &["name it m.helio"]);
     folder.refused("merge none.helio none.helio -o m.zip", &["name it m.helio"]);
     folder.refused("repair none.helio scene.obj -o m.bin", &["name it m.helio"]);
@@ -245,8 +245,8 @@ fn output_extensions_are_checked_first() {
     folder.refused("receivers none.obj --buried m.txt", &["name it m.csv"]);
     folder.refused("query none.helio -c conditions.csv -o m.xlsx", &["m.xlsx", ".parquet"]);
     folder.refused("replay none.helio -w none.epw -o no/such/m.csv", &["mkdir -p no/such"]);
-    folder.refused("run none.obj -w none.epw -o m.csv", &["name of a file", "-o m"]);
-    folder.refused("tradeoff none.obj -r none.csv -o m.html", &["name of a file"]);
+    folder.refused("run none.obj -w none.epw -o m.csv", &["has the ending of a file", "-o m"]);
+    folder.refused("tradeoff none.obj -r none.csv -o m.html", &["has the ending of a file"]);
     folder.refused("export site.helio --view-factors -o no/such/m.csv", &["mkdir -p no/such"]);
     // An existing file is refused as the kind that it is, also by `repair`.
     folder.refused("repair site.helio scene.obj -o conditions.csv", &["conditions.csv", "not an archive"]);
@@ -299,7 +299,7 @@ fn missing_files_are_answered_with_a_similar_name() {
         folder
             .refused(&format!("{replay} {option}"), &["cannot read scne.obj: No such file", "did you mean scene.obj?"]);
     }
-    folder.refused("build a.obj -r receivers.csv -o b.helio --store a.obj", &["a.obj: is the name of a file"]);
+    folder.refused("build a.obj -r receivers.csv -o b.helio --store a.obj", &["a.obj: has the ending of a file"]);
     folder.refused("a.obj --weather golden.epw", &["a command comes first, such as heliotile run a.obj --weather"]);
     folder.refused("a.obj run --weather golden.epw", &["the command comes first", "heliotile run ..."]);
 }

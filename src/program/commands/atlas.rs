@@ -66,8 +66,8 @@ pub fn catalogue(args: &CatalogueArgs, about: Provenance) -> Result<Outcome> {
 pub fn find(args: &FindArgs) -> Result<Outcome> {
     let found = heliotile_atlas::parts(&args.atlas, args.bbox)?;
     if found.is_empty() {
-        let what = "no part of it lies in the box";
-        return Err(Error::input(&shown(&args.atlas), None, what, "--bbox is in the coordinates of the scene files"));
+        let what = "no part of the atlas touches the box";
+        return Err(Error::input(&shown(&args.atlas), None, what, "give --bbox in the coordinates of the scene files"));
     }
     let mut out = String::from("part,x,y,state,archive\n");
     for part in found {

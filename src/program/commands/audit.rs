@@ -16,7 +16,7 @@ pub fn run(args: &AuditArgs, about: Provenance) -> Result<Outcome> {
     let report = args.request().run(&resources)?;
     say(&report.text())?;
     if let Some(folder) = &args.output {
-        say(&format!("{}: read it with a browser\n", report.write(folder, about)?.display()))?;
+        say(&format!("{}: open it in a browser\n", report.write(folder, about)?.display()))?;
     }
     Ok(match report.verdict {
         Verdict::Refuted => Outcome::ProblemFound,

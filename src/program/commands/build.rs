@@ -35,13 +35,17 @@ pub fn run(args: &BuildArgs) -> Result<Outcome> {
 fn unnamed(args: &BuildArgs) -> Error {
     match args.scene.scene.as_slice() {
         [only] if only.join(FILE).is_file() => {
-            let hint = "--part all, or the name or number of one; what they are built from stands in the atlas";
-            Error::argument("--part", format!("{} is an atlas: which parts of it?", only.display()), hint)
+            let hint = "give --part all, or the name or number of a part; the atlas states its inputs";
+            Error::argument(
+                "--part",
+                format!("{} is an atlas, and the part to build is not given", only.display()),
+                hint,
+            )
         }
         _ => Error::argument(
             "build",
-            "receivers and the archive to write have to be named",
-            "-r RECEIVERS.csv -o SITE.helio",
+            "the receivers and the archive to write are not given",
+            "give -r RECEIVERS.csv -o SITE.helio",
         ),
     }
 }
@@ -49,8 +53,8 @@ fn unnamed(args: &BuildArgs) -> Error {
 /// Builds parts of an atlas.
 fn parts(args: &BuildArgs, part: &str) -> Result<Outcome> {
     let [place] = args.scene.scene.as_slice() else {
-        let what = format!("{} scene files are named beside a part", args.scene.scene.len());
-        let hint = "name the folder or the address of the atlas, which knows its files";
+        let what = format!("a part belongs to one atlas, and {} files are given", args.scene.scene.len());
+        let hint = "give only the folder or the address of the atlas, which lists its scene files";
         return Err(Error::argument("part", what, hint));
     };
     let request = PartRequest { part, fresh: args.fresh, memory: args.memory.into(), from: args.from.as_deref() };
@@ -94,7 +98,7 @@ fn build(args: &BuildArgs, receivers: &Path, output: &Path) -> Result<Outcome> {
 
 /// Hint for an interrupted build of other inputs.
 const OTHER_INPUTS: &str =
-    "give the inputs that it was started with to go on with it, --fresh to discard it, or another name with -o";
+    "give the inputs that the build was started with to resume it, --fresh to discard it, or another name with -o";
 
 /// `heliotile plan`.
 pub fn plan(args: &PlanArgs) -> Result<Outcome> {

@@ -14,7 +14,7 @@ use heliotile_remote::naming::{is_address, shown};
 pub fn run(args: &CopyArgs) -> Result<Outcome> {
     if !is_address(&args.from) && !is_address(&args.to) {
         let hint = "copy files with `cp`, or give an address such as s3://BUCKET/site.helio";
-        return Err(Error::input(&args.to, None, "is a path, as is what is copied", hint));
+        return Err(Error::input(&args.to, None, "is a path, and so is the source", hint));
     }
     if let Some(atlas) = Atlas::find(&args.from)? {
         copied::copy(&atlas, &args.to, args.replace, &Terminal::watching())?;

@@ -56,7 +56,7 @@ pub fn info(args: &InfoArgs) -> Result<Outcome> {
     }
     if !args.footprints.options().is_default() {
         let hint = "leave --height, --storey-height and --base out";
-        return Err(Error::input(path, None, "is an archive, no file of footprints", hint));
+        return Err(Error::input(path, None, "is an archive, not a file of footprints", hint));
     }
     let MaterialsArgs { materials, materials_only, no_ground, assume_version } = &args.surfaces;
     if materials.is_some() || *materials_only || *no_ground || assume_version.is_some() {
@@ -103,10 +103,7 @@ pub fn info(args: &InfoArgs) -> Result<Outcome> {
     match &manifest.accuracy {
         Some(accuracy) => say_accuracy(&mut out, accuracy),
         None => {
-            line!(
-                out,
-                "  error       not estimated: `build --error 2%` chooses settings and says what they are off by"
-            );
+            line!(out, "  error       not estimated: `build --error 2%` chooses settings and states their error");
         }
     }
     if !s.left_out.is_empty() {
@@ -173,7 +170,7 @@ pub fn info(args: &InfoArgs) -> Result<Outcome> {
 fn say_accuracy(out: &mut String, a: &Accuracy) {
     line!(
         out,
-        "  error       {} % of the mean total ({:.2} of {} W/m2), RMSE of hourly totals; {} % wanted, {} % expected",
+        "  error       {} % of the mean total ({:.2} of {} W/m2), RMSE of hourly totals; target {} %, predicted {} %",
         a.rmse_percent,
         a.rmse_w_m2(),
         a.mean_w_m2,

@@ -23,10 +23,10 @@ pub fn run(args: &PvArgs, about: Provenance) -> Result<Outcome> {
 
 /// Returns a remark on the files that were written, with the next command.
 fn summary(args: &PvArgs, done: &PvDone) -> String {
-    let lists = if args.points.is_some() { ", horizon/, a list a point" } else { ", modules.obj" };
-    let pictures = if args.search { " and turns/, a picture a point" } else { "" };
+    let lists = if args.points.is_some() { ", horizon/ (a list for each point)" } else { ", modules.obj" };
+    let pictures = if args.search { " and turns/ (a picture for each point)" } else { "" };
     format!(
-        "{}: {}{lists}{pictures}; the archive: heliotile info {}\n",
+        "{}: {}{lists}{pictures}; about the archive: heliotile info {}\n",
         done.folder.display(),
         done.files.join(", "),
         quoted(&done.archive.to_string_lossy())

@@ -64,7 +64,7 @@ pub fn places(args: &PlacesArgs, about: Provenance) -> Result<Outcome> {
     let done = with_resources(&year.site, |resources| {
         year.site.request().places(&year.request(), &args.request(), about, resources)
     })?;
-    remark_aside(&format!("{} of {}\n", counted(done.places, "place"), counted(done.receivers, "receiver")));
+    remark_aside(&format!("{} chosen among {}\n", counted(done.places, "place"), counted(done.receivers, "receiver")));
     Ok(Outcome::Fine)
 }
 

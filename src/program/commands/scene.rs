@@ -59,7 +59,7 @@ pub fn info(site: &Site) -> Result<Outcome> {
     let unknown = || "not known, y is taken for north: give --crs, or --latitude and --longitude".to_owned();
     line!(out, "  place       {}", scene.place.map_or_else(unknown, |place| place.to_string()));
     if let Some(turn) = site.frame.rotate_deg {
-        line!(out, "  rotation    {turn} degrees clockwise, contained in the direction of y");
+        line!(out, "  rotation    {turn} degrees clockwise, included in the direction of y");
     }
     materials(&mut out, &scene);
     for kind in SurfaceKind::ALL {

@@ -44,8 +44,8 @@ pub fn rules(args: &RulesArgs) -> Result<Outcome> {
     };
     let Some(file) = shipped.iter().find(|file| file.name == *name) else {
         let names: Vec<&str> = shipped.iter().map(|file| file.name).collect();
-        let hint = format!("give {}", names.join(", "));
-        return Err(Error::argument("name", format!("`{name}` is none of the rules that are known"), hint));
+        let hint = format!("known rules: {}", names.join(", "));
+        return Err(Error::argument("name", format!("`{name}` is not a known rule"), hint));
     };
     say(file.text)?;
     Ok(Outcome::Fine)

@@ -14,6 +14,6 @@ pub fn run(args: &TradeoffArgs, about: Provenance) -> Result<Outcome> {
     let memory = args.memory.into();
     let resources = Resources { memory, storage: &SystemTemp, files: &input::read, observer: &terminal };
     let done = args.request().write(about, &resources, say)?;
-    say(&format!("{}: read it with a browser\n", done.page.display()))?;
+    say(&format!("{}: open it in a browser\n", done.page.display()))?;
     Ok(Outcome::Fine)
 }

@@ -21,7 +21,7 @@ pub fn merge(args: &MergeArgs) -> Result<Outcome> {
     let merged = transfer::merge([&a, &b], &args.output, &workspace, &Terminal::default())?;
     let Assembled { receivers, tiles, cells, summary } = &merged.written;
     remark(&format!(
-        "{}: {receivers} receivers in {}, {} probes, {} bounce cells, {:.2} MB\n  {} of {}, {} of {}, {} of both\n  \
+        "{}: {receivers} receivers in {}, {} probes, {} bounce cells, {:.2} MB\n  {} from {}, {} from {}, {} in both\n  \
          root {}\n",
         args.output.display(),
         counted(u64::from(*tiles), "tile"),
@@ -43,8 +43,8 @@ pub fn extract(args: &ExtractArgs) -> Result<Outcome> {
     let Some(selection) = args.of.selection() else {
         return Err(Error::argument(
             "extract",
-            "no receivers are named",
-            "name some by --receivers, --bbox, --surface or --object",
+            "no receivers are chosen",
+            "choose some with --receivers, --bbox, --surface or --object",
         ));
     };
     let mut inputs = vec![args.archive.as_path()];

@@ -241,10 +241,10 @@ fn wrong_places_and_parts_are_refused() {
     refused(&replay("s3://bucket/nowhere"), &["s3://bucket/nowhere: is not there (404)", "atlas.json"]);
     refused("find s3://bucket/nowhere", &["s3://bucket/nowhere: holds no atlas.json", "heliotile copy"]);
     refused("find http://127.0.0.1:1/atlas?sig=s3cret", &["127.0.0.1:1/atlas/atlas.json: request failed"]);
-    refused("find s3://bucket/atlas --bbox 0,0,1,1", &["no part of it lies in the box"]);
+    refused("find s3://bucket/atlas --bbox 0,0,1,1", &["no part of the atlas touches the box"]);
     refused("build s3://bucket/nowhere --part 0", &["s3://bucket/nowhere: holds no atlas.json"]);
     refused("catalogue s3://bucket/atlas", &["is an address"]);
-    refused("view s3://bucket/atlas", &["is an atlas afar", "view.html"]);
+    refused("view s3://bucket/atlas", &["is a remote atlas", "view.html"]);
     refused("view s3://bucket/nowhere", &["is not there"]);
     let site = "bucket/atlas/parts/x1749_y10177/site.helio";
     let whole = store.get(site).expect("a part");

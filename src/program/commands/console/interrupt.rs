@@ -42,7 +42,7 @@ fn registered() -> Signals {
         while first.load(Ordering::Relaxed) == 0 {
             thread::sleep(LOOK_EVERY);
         }
-        aside("stopping at the next checkpoint; once more to stop at once\n");
+        aside("stopping at the next checkpoint; interrupt again to stop immediately\n");
     });
     signals
 }

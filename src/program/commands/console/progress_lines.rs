@@ -139,7 +139,7 @@ mod tests {
     /// 12,000 of 35,000 after 62 s are 34 % and two minutes to go. A stage without an end, or with
     /// nothing done yet, gets its count alone.
     #[test]
-    fn lines() {
+    fn a_line_states_share_and_time_left() {
         let after = |s| Duration::from_secs(s);
         let text = line("receivers", Some(35_000), 12_000, after(62));
         assert_eq!(text, "receivers: 34 % (12,000 of 35,000), about 2 min left");
@@ -165,7 +165,7 @@ mod tests {
     /// A stage of 8 items of which 2 are done is printed with these numbers, the newest of two
     /// first; no line is printed once it has ended.
     #[test]
-    fn stages_are_told_of() {
+    fn the_newest_stage_is_printed() {
         let (sender, lines) = mpsc::channel();
         let tell = move |text: &str| drop(sender.send(text.to_owned()));
         let progress = ProgressLines::new(Instant::now(), Duration::from_millis(20), tell);

@@ -86,7 +86,7 @@ mod tests {
     /// A warning with a list of 3 is printed as its first line, with a hint how to see the list; a
     /// short one stays as it is.
     #[test]
-    fn lists_are_for_those_who_ask() {
+    fn lists_are_printed_only_with_verbose() {
         let text = with_list("3 materials are odd", ["a", "b", "c"].map(String::from));
         assert_eq!(shortened(&text, false), "3 materials are odd (-v lists them)");
         assert_eq!(shortened(&text, true).lines().collect::<Vec<_>>(), ["3 materials are odd", "  a", "  b", "  c"]);

@@ -74,23 +74,27 @@ impl Wanted {
     fn advice(self, kind: Kind, file: &str) -> String {
         match (self, kind) {
             (Wanted::Weather, Kind::Scene(_)) => {
-                format!("scene files go without an option: heliotile run {file} --weather WEATHER.epw")
+                format!("give scene files without an option: heliotile run {file} --weather WEATHER.epw")
             }
             (_, Kind::Archive) => {
-                format!("replay it, nothing is traced again: heliotile replay {file} --weather WEATHER.epw")
+                format!("replay the archive without tracing: heliotile replay {file} --weather WEATHER.epw")
             }
             (Wanted::Archive, Kind::Scene(_)) => {
-                format!("trace it first: heliotile run {file} --weather WEATHER.epw makes an archive of it")
+                format!("trace the scene to an archive first: heliotile run {file} --weather WEATHER.epw")
             }
             (Wanted::Conditions, Kind::Weather(_)) => format!("heliotile replay SITE.helio --weather {file}"),
             (_, Kind::Weather(_)) => format!("give weather with its option: --weather {file}"),
             (_, Kind::Receivers) => format!("give receivers with their option: --receivers {file}"),
             (_, Kind::Conditions) => format!("heliotile query SITE.helio --conditions {file}"),
-            (Wanted::Receivers, Kind::Scene(_)) => format!("heliotile receivers {file} -o receivers.csv makes them"),
-            (_, Kind::Scene(_)) => {
-                format!("scene files go without an option: heliotile run {file} --weather WEATHER.epw")
+            (Wanted::Receivers, Kind::Scene(_)) => {
+                format!("make receivers for the scene: heliotile receivers {file} -o receivers.csv")
             }
-            (_, Kind::Results) => "it is a table that heliotile wrote: give what it was made from".into(),
+            (_, Kind::Scene(_)) => {
+                format!("give scene files without an option: heliotile run {file} --weather WEATHER.epw")
+            }
+            (_, Kind::Results) => {
+                "this table holds results of heliotile: give the inputs that they were made from".into()
+            }
         }
     }
 }
@@ -156,7 +160,7 @@ mod tests {
 
     /// Each of 11 beginnings is taken for its kind, or for nothing where that is not certain.
     #[test]
-    fn beginnings() {
+    fn first_bytes_tell_the_kind_of_a_file() {
         for (head, kind) in [
             ("LOCATION,Golden,CO,USA,TMY3,724666,39.74,-105.18,-7.0,1829.0\n", Some(Kind::Weather("EPW"))),
             ("724666,\"GOLDEN\",CO,-7.0,39.7,-105.2,1829\nDate (MM/DD/YYYY),Time\n", Some(Kind::Weather("TMY3"))),

@@ -45,7 +45,7 @@ pub fn check(command: &Command) -> Result<()> {
         // The reader of an address checks it when it opens it.
         Wanted::Archive | Wanted::SceneOrArchive if is_address(path) => Ok(()),
         _ => {
-            require_file(path, "only archives are read from there")?;
+            require_file(path, "only archives are read from addresses")?;
             input::check(path)?;
             wanted.check(path)
         }
@@ -292,7 +292,7 @@ fn check_output(path: &Path, written: &Written) -> Result<()> {
     }
     if is_address(path) {
         let hint = format!("write a file, and then: heliotile copy FILE {}", shown(path).display());
-        return Err(Error::input(&shown(path), None, "is an address, to which only `copy` writes", hint));
+        return Err(Error::input(&shown(path), None, "is an address, and only `copy` writes to addresses", hint));
     }
     match written {
         Written::Archive => check_archive_name(path)?,
@@ -302,12 +302,17 @@ fn check_output(path: &Path, written: &Written) -> Result<()> {
         Written::Results { geo } => drop(ResultFormat::of(path, *geo)?),
         Written::Csv => check_name(path)?,
         Written::Folder if FILES.contains(&ending(path).as_str()) && !path.is_dir() => {
-            let what = "is the name of a file, and the output is a folder of several";
-            return Err(Error::input(path, None, what, format!("-o {}", path.with_extension("").display())));
+            let what = "has the ending of a file, and the output is a folder of several files";
+            return Err(Error::input(
+                path,
+                None,
+                what,
+                format!("give a folder: -o {}", path.with_extension("").display()),
+            ));
         }
         Written::Folder if path.exists() && !path.is_dir() => {
-            let what = "is a file, and the output is a folder";
-            return Err(Error::input(path, None, what, "give the folder a name of its own"));
+            let what = "is an existing file, and the output is a folder";
+            return Err(Error::input(path, None, what, "give the folder another name"));
         }
         // The folder is made together with its parents.
         Written::Folder => return Ok(()),
@@ -318,7 +323,7 @@ fn check_output(path: &Path, written: &Written) -> Result<()> {
         return Ok(());
     }
     let (what, hint) = match folder.exists() {
-        true => (format!("{} is no folder", folder.display()), "give a path in a folder".into()),
+        true => (format!("{} is not a folder", folder.display()), "give a path in a folder".into()),
         false => (format!("there is no folder {}", folder.display()), format!("mkdir -p {}", folder.display())),
     };
     Err(Error::input(path, None, what, hint))

@@ -32,9 +32,8 @@ pub fn run(args: &ViewArgs) -> Result<Outcome> {
     // The first archive is shown first; the page itself opens the others.
     let (parts, first) = match Atlas::find(&args.archive)? {
         Some(atlas) if atlas.folder.is_remote() => {
-            let hint =
-                "open the view.html that `catalogue` writes and `copy` brings there, or copy the atlas to a folder";
-            return Err(Error::input(&atlas.shown(), None, "is an atlas afar, of which nothing is served", hint));
+            let hint = "copy the atlas to a folder, or open its view.html, which `catalogue` writes and `copy` uploads";
+            return Err(Error::input(&atlas.shown(), None, "is a remote atlas, and only local ones are served", hint));
         }
         Some(atlas) => {
             (atlas.parts(None)?, built(&atlas)?.into_iter().next().map(|(_, path)| path).unwrap_or_default())
@@ -50,12 +49,12 @@ pub fn run(args: &ViewArgs) -> Result<Outcome> {
     let mut after = None;
     if let Some(place) = &args.with {
         if !parts.is_empty() {
-            let what = "is an atlas, of which the page shows one part at a time";
+            let what = "is an atlas, and only archives are shown before and after a change";
             return Err(Error::input(
                 &args.archive,
                 None,
                 what,
-                "name the site.helio of a part: {with} takes an archive",
+                "give the site.helio of a part, and with {with} that of the part after the change",
             ));
         }
         let opened = open_after(&archive, place, Access::Read, &Terminal::default())?;
@@ -106,12 +105,12 @@ fn listen(port: Option<u16>) -> Result<TcpListener> {
         Some(port) => bind(port).map_err(|error| {
             Error::argument(
                 "--port",
-                format!("nothing can be served on {port}: {error}"),
-                "leave it out to take one that is free",
+                format!("port {port} cannot be used: {error}"),
+                "leave the option out to use a free port",
             )
         }),
         None => bind(PORT).or_else(|_| bind(0)).map_err(|error| {
-            Error::argument("--port", format!("this machine gives no port: {error}"), "name one with --port")
+            Error::argument("--port", format!("no free port is available: {error}"), "give a port with --port")
         }),
     }
 }
