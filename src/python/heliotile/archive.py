@@ -42,7 +42,7 @@ class Archive(Askable):
         """Opens a finished archive.
 
         `access` is `"map"`, or `"pread"` for files that other programs may shorten and for network
-        file systems. `grid_north` takes y for north and ignores the archive's own north.
+        file systems. `grid_north` uses y as north and ignores the true north of the archive.
         """
         path = os.fspath(path)
         return cls(_heliotile.ArchiveHandle.open(path, access, grid_north), path, access, grid_north)
@@ -143,8 +143,8 @@ class Archive(Askable):
         progress: Progress | None = None,
     ) -> Archive:
         """Edits the scene that the archive holds and opens the archive of the edited scene:
-        `heliotile update`, byte by byte. Its `updated` counts the receivers that stayed, moved or
-        went. Only what an edit can alter is traced again.
+        `heliotile update`, byte by byte. Its `updated` counts the receivers that were kept, moved or
+        removed. Only what an edit can alter is traced again.
 
         Parameters
         ----------
@@ -287,5 +287,5 @@ def _reopen(cls: type[Archive], path: str, access: str, grid_north: bool, root: 
     """Opens the archive of a pickle, if it has not changed."""
     archive = cls.open(path, access=access, grid_north=grid_north)
     if archive.root != root:
-        raise InputError(f"{_heliotile.shown(path)}: is another archive than the one that was pickled\n  to fix: open it again and pickle that")
+        raise InputError(f"{_heliotile.shown(path)}: is another archive than the one that was pickled\n  to fix: open the archive again and pickle the new object")
     return archive

@@ -209,7 +209,7 @@ class Askable(ABC):
         files |= {name: os.fspath(path) for name, path in (("model", model), ("honeybee", honeybee)) if path is not None}
         wanted = wanted_args(options.get("receivers"))
         if (weather is None) == (conditions is None):
-            raise wrong("weather, conditions", "one of them has to be given", "give weather, or conditions")
+            raise wrong("weather, conditions", "neither or both are given", "give one of the two")
         forcing = conditions_source(conditions) if weather is None else replay_args(weather, options)
         return self._open(wanted).write(light_args(options), forcing, wanted, json.dumps(files), options.get("progress"))
 

@@ -89,7 +89,7 @@ class Atlas(Askable):
         missing = [part.name for part in parts if part.state == "missing"]
         if missing:
             what = f"{len(missing)} of its parts are not built yet: {', '.join(missing[:5])}"
-            raise InputError(f"{_heliotile.shown(self.path)}: {what}\n  to fix: Atlas.build(name), heliotile.dask.build(atlas, client), or another bbox")
+            raise InputError(f"{_heliotile.shown(self.path)}: {what}\n  to fix: build them with Atlas.build(name) or heliotile.dask.build(atlas, client), or choose another bbox")
         return parts
 
     def build(self, part: str | int, *, threads: int | None = None, fresh: bool = False) -> AtlasPart:
@@ -100,13 +100,13 @@ class Atlas(Askable):
         other inputs.
         """
         if part == "all":
-            raise wrong("part", "is all of them", "for part in atlas.parts(): atlas.build(part.name); or heliotile.dask.build(atlas, client)")
+            raise wrong("part", "`all` is not one part", "build one after the other (for part in atlas.parts(): atlas.build(part.name)), or use heliotile.dask.build(atlas, client)")
         words = [sys.executable, "-m", "heliotile", "build", self.path, "--part", str(part), "--quiet"]
         words += ["--threads", str(threads)] if threads else []
         words += ["--fresh"] if fresh else []
         done = subprocess.run(words, capture_output=True, text=True, check=False)
         if done.returncode:
-            raise Error(done.stderr.strip().removeprefix("heliotile: ") or f"the build of {part} ended with {done.returncode}")
+            raise Error(done.stderr.strip().removeprefix("heliotile: ") or f"the build of part {part} ended with exit code {done.returncode}")
         parts = self.parts()
         named = {known.name: known for known in parts}
         return named[str(part)] if str(part) in named else parts[int(part)]

@@ -49,7 +49,7 @@ class LazyColumn(BackendArray):
 class HeliotileBackend(BackendEntrypoint):
     """Opens `.helio` archives under weather."""
 
-    description = "Archives of heliotile, replayed through weather as values are asked for"
+    description = "Archives of heliotile, replayed under weather when values are read"
     url = "https://docs.xarray.dev/en/stable/user-guide/io.html"
 
     def open_dataset(  # type: ignore[override]

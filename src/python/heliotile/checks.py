@@ -35,6 +35,7 @@ class WorstPair:
     off_w_m2: float
     """Irradiance of the archive minus that of the reference path tracer."""
     judged_w_m2: float
+    """Irradiance of the reference path tracer."""
     standard_error_w_m2: float
     """Standard error of the reference path tracer's result."""
 
@@ -157,11 +158,11 @@ class UpdateDone:
     """Changes of the receivers by an update."""
 
     kept: int
-    """Number of receivers that stayed."""
+    """Number of receivers that were kept."""
     moved: int
     """Number of receivers that moved with their object."""
     gone: int
-    """Number of receivers that went with their object, or with its former shape."""
+    """Number of receivers that were removed with their object, or with its former shape."""
     new: int
     """Number of receivers on surfaces that are new or have another shape."""
     buried: list[str]

@@ -97,7 +97,7 @@ def compare(
     that exist on one side only.
     """
     if (weather is None) == (conditions is None):
-        raise wrong("weather, conditions", "one of them has to be given", "give weather, or conditions")
+        raise wrong("weather, conditions", "neither or both are given", "give one of the two")
     check("compare", options, ReplayOptions if conditions is None else QueryOptions)
     options = {"columns": ["total"], **options}
     variants = [after] if isinstance(after, (str, os.PathLike, Archive)) else list(after)

@@ -25,7 +25,7 @@ def number(argument: str, value: Any, hint: str = "give a number") -> float | No
     try:
         return float(value)
     except (TypeError, ValueError):
-        raise wrong(argument, f"`{value}` is no number", hint) from None
+        raise wrong(argument, f"`{value}` is not a number", hint) from None
 
 
 def whole(argument: str, value: Any, hint: str = "give a whole number") -> int | None:
@@ -37,14 +37,14 @@ def whole(argument: str, value: Any, hint: str = "give a whole number") -> int |
         if found != float(value) or found < 0:
             raise ValueError
     except (TypeError, ValueError, OverflowError):
-        raise wrong(argument, f"`{value}` is no whole number from 0", hint) from None
+        raise wrong(argument, f"`{value}` is not a whole number, 0 or more", hint) from None
     return found
 
 
 def word(argument: str, value: Any, hint: str) -> str:
     """Returns text; other types are an error."""
     if not isinstance(value, str):
-        raise wrong(argument, f"`{value}` is no text", hint)
+        raise wrong(argument, f"`{value}` is not a string", hint)
     return value
 
 
@@ -61,7 +61,7 @@ def moment(argument: str, value: Any) -> str | None:
         return value.strftime("%Y-%m-%dT%H:%M")
     if isinstance(value, date):
         return value.isoformat()
-    raise wrong(argument, f"`{value}` is no day", 'give a day or a moment: "2019-03-01", "03-01T06:00", a date')
+    raise wrong(argument, f"`{value}` is not a day or a moment", 'give a string such as "2019-03-01" or "03-01T06:00", or a date')
 
 
 def named(argument: str, value: Any, hint: str) -> Mapping[str, Any]:
@@ -69,7 +69,7 @@ def named(argument: str, value: Any, hint: str) -> Mapping[str, Any]:
     if value is None:
         return {}
     if not isinstance(value, Mapping):
-        raise wrong(argument, f"`{value}` does not say of what", hint)
+        raise wrong(argument, f"`{value}` is not a mapping", hint)
     return value
 
 

@@ -83,7 +83,7 @@ class QueryOptions(LightOptions, total=False):
         An id, ids, a table with a column `receiver`, or one of `{"objects": names}` (buildings
         too), `{"surfaces": names}` and `{"bbox": (xmin, ymin, xmax, ymax)}`, followed by `zmin,
         zmax` if heights count; default: all. A `pathlib.Path` is a CSV file with a column
-        `receiver`; a text is always an id. Tiles without any of them are neither read nor computed.
+        `receiver`; a string is always an id. Tiles without any of them are neither read nor computed.
     """
 
     columns: Sequence[str] | None
@@ -135,7 +135,7 @@ def check(function: str, options: Mapping[str, Any], known: type) -> None:
     names = known.__optional_keys__  # type: ignore[attr-defined]
     for name in options:
         if name not in names:
-            raise TypeError(f"{function}() got an unexpected keyword argument {name!r}: it takes {', '.join(sorted(names))}")
+            raise TypeError(f"{function}() got an unexpected keyword argument {name!r}; known arguments: {', '.join(sorted(names))}")
 
 
 def wanted_args(receivers: Wanted | None) -> WantedArgs:
@@ -147,7 +147,7 @@ def wanted_args(receivers: Wanted | None) -> WantedArgs:
     if isinstance(receivers, Mapping):
         for by, of in receivers.items():
             if not (isinstance(of, Iterable) and (by != "bbox" or not isinstance(of, str))):
-                raise refused("receivers", f"`{by}` is `{of}`", 'as in {"objects": names} and {"bbox": (xmin, ymin, xmax, ymax)}')
+                raise refused("receivers", f"`{by}` is `{of}`", 'give names or numbers, as in {"objects": names} and {"bbox": (xmin, ymin, xmax, ymax)}')
         return {by: [of] if isinstance(of, str) else list(of) for by, of in receivers.items()}
     if hasattr(receivers, "columns") or hasattr(receivers, "column_names"):
         table = columns_of(receivers, "receivers")
@@ -159,7 +159,7 @@ def wanted_args(receivers: Wanted | None) -> WantedArgs:
         receivers = list(receivers)  # type: ignore[arg-type]
     ids = np.asarray(receivers)
     if ids.dtype.kind == "b" and ids.size:
-        raise refused("receivers", "is a mask, and ids are taken", 'site.receivers()["receiver"][mask] are those')
+        raise refused("receivers", "is a mask, and ids are needed", 'give site.receivers()["receiver"][mask]')
     if ids.ndim > 1:
         raise refused("receivers", f"has the shape {ids.shape}", "give ids one after the other")
     return [str(receiver) for receiver in np.atleast_1d(ids).tolist()]
@@ -168,7 +168,7 @@ def wanted_args(receivers: Wanted | None) -> WantedArgs:
 def _follow(changes: Mapping[str, Follow] | None, column: str) -> list[tuple[str, Any]]:
     """Returns numbers and paths as they are, arrays as the bytes of a schedule."""
     found: list[tuple[str, Any]] = []
-    for name, value in given.named(column, changes, f'say of what, as in {column}={{"ground": 0.3}}').items():
+    for name, value in given.named(column, changes, f'give a mapping, as in {column}={{"ground": 0.3}}').items():
         if isinstance(value, os.PathLike):
             value = os.fspath(value)
         elif not isinstance(value, str) and np.ndim(value) > 0:

@@ -208,7 +208,7 @@ class Results:
         import pandas as pd
 
         if self.unit != "W/m2" or self._frame.label != "time":
-            what = "pvlib takes hours of a replay, these are other results"
+            what = "pvlib needs the hours of a replay, and these are other results"
             raise ArgumentError(f'every: {what}\n  to fix: replay(weather, every="hour")')
         row = self._row(receiver)
         columns = {name: np.asarray(values) for name, values in self._handle.pvlib(row)}
@@ -218,12 +218,12 @@ class Results:
         if not isinstance(receiver, str):
             row, count = operator.index(receiver), len(self.receivers)
             if not -count <= row < count:
-                raise IndexError(f"{row} of {count} receivers")
+                raise IndexError(f"receiver {row} is out of range: there are {count} receivers")
             return row % count
         try:
             return self.receivers.index(receiver)
         except ValueError:
-            raise KeyError(f"no receiver `{receiver}` among these {len(self.receivers)}") from None
+            raise KeyError(f"no receiver `{receiver}` among the {len(self.receivers)} receivers of these results") from None
 
     def __repr__(self) -> str:
         receivers, labels = self.shape

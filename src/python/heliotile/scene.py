@@ -40,12 +40,12 @@ class Scene:
         the files.
     rotate_deg, elevation, scale
         Direction of y clockwise from north, degrees; height of z = 0 above the sea, metres; metres
-        a unit.
+        per unit.
     up
         The axis that points up in OBJ, PLY and STL files: `"z"`, with y to the north, or `"y"`, with z to the south.
     height, storey_height, base
         Heights of footprints: a column of heights above the base, metres for all, or several
-        sources, of which the first with a value counts. Metres a storey. Base of buildings: a
+        sources, of which the first with a value counts. Metres per storey. Base of buildings: a
         column, or metres.
     dsm, dem, canopy, landcover
         Rasters from which a city is read (GeoTIFF, Esri ASCII grid): heights of the surface and of
@@ -114,7 +114,7 @@ class Scene:
 
     @property
     def notes(self) -> list[str]:
-        """Decisions that the reader took by itself."""
+        """Assumptions of the reader about what the files do not state."""
         return self._handle.notes
 
     def cover(

@@ -157,7 +157,7 @@ def comfort(
     progress: Progress | None = None,
 ) -> Archive:
     """Builds the archive of a scene with people and opens it, the first step of `heliotile
-    comfort`: six receivers a point. `Archive.comfort` replays it.
+    comfort`, with six receivers for each point. `Archive.comfort` replays it.
 
     Parameters
     ----------
@@ -368,7 +368,7 @@ def _cover(cover: Mapping[str, Any] | None) -> dict[str, Any]:
     request: dict[str, Any] = {}
     for name, value in (cover or {}).items():
         if name not in names:
-            raise given.wrong("cover", f"has no `{name}`", f"give some of {', '.join(names)}")
+            raise given.wrong("cover", f"has no option `{name}`", f"give some of {', '.join(names)}")
         request[names[name]] = {name: value} if names[name] == "density" else [value] if isinstance(value, str) else value
     return request
 

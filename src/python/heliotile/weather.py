@@ -110,7 +110,7 @@ class Weather:
     def request(self) -> tuple[str, dict[str, Any]]:
         """Returns the path of the file and its options, for a request."""
         if self._bytes is not None:
-            raise given.wrong(self.name, "is a table, and a file is read here", "write the table to a CSV file")
+            raise given.wrong(self.name, "is a table, and this function reads weather from a file only", "write the table to a CSV file and give its path")
         names = ("latitude_deg", "longitude_deg", "zone_hours", "shift", "stamped_at", "date_order")
         return self.name, {name: said for name, said in zip(names, self._said, strict=True) if said is not None}
 
@@ -161,7 +161,7 @@ def _table(source: Any, name: str, time_zone: Any) -> tuple[bytes, str | None]:
     if found is None and is_index and given_times is not None and hasattr(given_times, "tz_localize"):
         # An index of times without a zone.
         if time_zone is None:
-            hint = f'say which clock it is, as in table.tz_localize("Etc/GMT-1") for UTC+01:00, or {name}=Weather(table, time_zone="+01:00")'
+            hint = f'state the zone, as in table.tz_localize("Etc/GMT-1") for UTC+01:00, or {name}=Weather(table, time_zone="+01:00")'
             raise refused(name, "its index has no time zone", hint)
         if _is_name(time_zone):
             found, time_zone = _moments(_localized(given_times, time_zone, name)), None
@@ -240,8 +240,8 @@ def _localized(index: Any, time_zone: str, name: str) -> Any:
     except ArgumentError:
         raise
     except Exception as error:
-        hint = "write standard time or UTC, whose hours come once"
-        raise refused(name, f"an hour of its index is not one of `{time_zone}`: {error}", hint) from None
+        hint = "give standard time or UTC, which have each hour once"
+        raise refused(name, f"the clock of `{time_zone}` shows an hour of the index twice or never: {error}", hint) from None
 
 
 def standard_offset(of: Any, utc: np.ndarray) -> timedelta:
@@ -265,7 +265,7 @@ def _zone(of: Any) -> Any:
     try:
         return datetime.fromisoformat(f"2000-01-01T00:00{of}").tzinfo if of[:1] in ("+", "-") else ZoneInfo(of)
     except (ZoneInfoNotFoundError, ValueError):
-        raise given.wrong("time_zone", f"`{of}` is none", 'give hours ahead of UTC, as in "+01:00", or a name such as "America/Denver"') from None
+        raise given.wrong("time_zone", f"`{of}` is not a known time zone", 'give hours ahead of UTC, as in "+01:00", or a name such as "America/Denver"') from None
 
 
 def _hours(time_zone: Any) -> str:
@@ -276,6 +276,6 @@ def _hours(time_zone: Any) -> str:
     of = _zone(time_zone)
     clocks = {datetime(year, month, 1, tzinfo=of).utcoffset() for year in range(1990, 2027) for month in range(1, 13)}
     if len(clocks) > 1:
-        hint = 'give the hours of its standard time, as in "+01:00"; times in an index may be those of the zone'
-        raise given.wrong("time_zone", f"the clock of `{time_zone}` is changed", hint)
+        hint = 'give the offset of its standard time, as in "+01:00", or a DataFrame whose index has the times'
+        raise given.wrong("time_zone", f"`{time_zone}` has no constant offset from UTC", hint)
     return str(next(clock for clock in clocks if clock is not None).total_seconds() / 3600)

@@ -117,7 +117,7 @@ impl Wanted {
     fn selection(&self) -> Result<Selection> {
         let of = match self {
             Wanted::Ids(ids) if ids.is_empty() => {
-                return Err(Error::argument("receivers", "the list is empty", "leave it out for all of them"));
+                return Err(Error::argument("receivers", "the list is empty", "leave it out for all receivers"));
             }
             Wanted::Ids(ids) => return Ok(Selection::Ids(ids.clone())),
             Wanted::File(file) => return Ok(Selection::Receivers(file.clone())),
@@ -130,14 +130,13 @@ impl Wanted {
             (Some((by, Of::Numbers(numbers))), None) if by == "bbox" => {
                 bounds_of(numbers.clone()).map(Selection::Bounds)
             }
-            _ => Err(Error::argument("receivers", "are chosen by something else", HINT)),
+            _ => Err(Error::argument("receivers", "the mapping is not a selection of receivers", HINT)),
         }
     }
 }
 
 /// Hint about the valid selections of receivers.
-const HINT: &str =
-    "say which by one of {\"objects\": names}, {\"surfaces\": names} and {\"bbox\": (xmin, ymin, xmax, ymax)}";
+const HINT: &str = "give one of {\"objects\": names}, {\"surfaces\": names} and {\"bbox\": (xmin, ymin, xmax, ymax)}";
 
 /// Returns the box of `xmin, ymin, xmax, ymax[, zmin, zmax]`.
 pub fn bounds_of(numbers: Vec<f64>) -> Result<Bounds> {
@@ -428,7 +427,11 @@ impl ArchiveHandle {
         work::run(py, progress.as_ref(), |watch| {
             let archives = self.sources.borrowed();
             let Some(archive) = archives.only() else {
-                return Err(Error::argument("archive", "is several", "open the archives of an atlas one by one"));
+                return Err(Error::argument(
+                    "archive",
+                    "is an atlas of several archives",
+                    "use its archives one by one: Atlas.archives()",
+                ));
             };
             guard_output(&output, &[&self.place])?;
             guard_archive(&output)?;
@@ -445,7 +448,11 @@ impl ArchiveHandle {
             let storage = SystemTemp;
             let archives = self.sources.borrowed();
             if archives.only().is_none() {
-                return Err(Error::argument("archive", "is several", "open the archives of an atlas one by one"));
+                return Err(Error::argument(
+                    "archive",
+                    "is an atlas of several archives",
+                    "use its archives one by one: Atlas.archives()",
+                ));
             }
             asked.with_series(archives, &storage, watch, |series, resources| {
                 let receivers = self.choose(None, asked.memory)?;

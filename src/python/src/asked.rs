@@ -142,11 +142,12 @@ impl LightArgs {
 
     fn choice(self, given: &mut Given) -> Result<LightChoice> {
         let columns = self.columns.as_deref().map(str::parse::<ComponentList>).transpose();
-        let columns = columns.map_err(wrong("columns", "name some of them, as in [\"total\", \"sun_direct\"]"))?;
+        let columns = columns.map_err(wrong("columns", "give names of columns, as in [\"total\", \"sun_direct\"]"))?;
         let paths = self.paths.parse::<LightPaths>().map_err(wrong("paths", "give \"all\", \"none\" or some names"))?;
         let hint = "give a number of reflections from 1 to 64, or leave it out for all";
         let depth = MaxBounces::try_from(self.bounces).map_err(wrong("bounces", hint))?;
-        let paths = paths.with_depth(depth).map_err(wrong("bounces", "name `bounces` among paths, or leave it out"))?;
+        let paths =
+            paths.with_depth(depth).map_err(wrong("bounces", "add `bounces` to paths, or leave bounces out"))?;
         let mut changes = Changes::default();
         for (name, follow) in self.reflectance {
             match follow {
@@ -187,18 +188,21 @@ impl LightArgs {
 impl ReplayArgs {
     fn request(self, mut light: LightChoice, given: &mut Given) -> Result<ReplayRequest> {
         let moment = |argument, text: &Option<String>| {
-            text.as_deref().map(str::parse::<Moment>).transpose().map_err(wrong(argument, "2019-03-01 or 03-01"))
+            text.as_deref()
+                .map(str::parse::<Moment>)
+                .transpose()
+                .map_err(wrong(argument, "give a day, as in 2019-03-01 or 03-01"))
         };
         let zone = |text: &String| {
             let hint = "give hours ahead of UTC, -12 to 14, such as \"+01:00\", -7, 5.5 or \"UTC\"";
-            parse_zone(text).ok_or_else(|| Error::argument("time_zone", format!("`{text}` is none"), hint))
+            parse_zone(text).ok_or_else(|| Error::argument("time_zone", format!("`{text}` is not a time zone"), hint))
         };
         let about_weather = WeatherOptions {
             latitude_deg: self.latitude,
             longitude_deg: self.longitude,
             zone_hours: self.time_zone.as_ref().map(zone).transpose()?,
             shift: match &self.shift {
-                Some(text) => text.parse().map_err(wrong("shift", "as in \"41min\""))?,
+                Some(text) => text.parse().map_err(wrong("shift", "give a time, as in \"41min\""))?,
                 None => Default::default(),
             },
             stamped_at: self.weather_stamp.as_ref().map(|name| by_name("weather_stamp", name)).transpose()?,
@@ -370,20 +374,20 @@ impl ReplayArgs {
 fn share(argument: &'static str, value: f64) -> Result<f64> {
     match (0.0..=1.0).contains(&value) {
         true => Ok(value),
-        false => Err(Error::argument(argument, format!("is from 0 to 1, not {value}"), "give a share of the light")),
+        false => Err(Error::argument(argument, format!("is {value}, not from 0 to 1"), "give a share of the light")),
     }
 }
 
 fn above_0(argument: &'static str, value: f64) -> Result<f64> {
     match value > 0.0 && value.is_finite() {
         true => Ok(value),
-        false => Err(Error::argument(argument, format!("is above 0, not {value}"), "give W/m2/sr")),
+        false => Err(Error::argument(argument, format!("is {value}, not above 0"), "give W/m2/sr")),
     }
 }
 
 fn azimuth(argument: &'static str, value: f64) -> Result<f64> {
     match (-360.0..=360.0).contains(&value) {
         true => Ok(value),
-        false => Err(Error::argument(argument, format!("is from -360 to 360, not {value}"), "give degrees")),
+        false => Err(Error::argument(argument, format!("is {value}, not from -360 to 360"), "give degrees")),
     }
 }

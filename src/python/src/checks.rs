@@ -24,7 +24,7 @@ type CheckedRow = (PathBuf, u64, u64, u64, Vec<ProblemRow>, Option<String>, Stri
 
 /// Returns a result as JSON.
 fn json(found: &impl Serialize) -> Result<String> {
-    serde_json::to_string(found).map_err(|error| Error::io(Path::new("what was found"), "write")(error.into()))
+    serde_json::to_string(found).map_err(|error| Error::io(Path::new("the result"), "write")(error.into()))
 }
 
 fn rows(problems: Vec<Problem>) -> Vec<ProblemRow> {

@@ -133,7 +133,10 @@ impl LazyReplay {
         let frame = &self.frame;
         let place = frame.column(column).ok_or_else(|| PyKeyError::new_err(no_column(frame, column)))?;
         if let Some(beyond) = receivers.iter().find(|receiver| **receiver >= frame.receivers) {
-            return Err(PyIndexError::new_err(format!("{beyond} of {} receivers", frame.receivers)));
+            return Err(PyIndexError::new_err(format!(
+                "receiver {beyond} is out of range: there are {} receivers",
+                frame.receivers
+            )));
         }
         let tile_of = |receiver: usize| self.starts.partition_point(|start| *start <= receiver).saturating_sub(1);
         let mut wanted: Vec<u32> = receivers.iter().map(|receiver| tile_of(*receiver) as u32).collect();

@@ -94,7 +94,7 @@ impl TileSink for Gathered<'_> {
             let mut column = Vec::new();
             column.try_reserve_exact(len).map_err(|_| Error::Limit {
                 what:
-                    "memory for results in bytes (open the archive with xarray, or ask for fewer receivers or columns)"
+                    "memory for results in bytes (open the archive with xarray, or choose fewer receivers or columns)"
                         .into(),
                 value: 4 * len as u64,
                 max: isize::MAX as u64,
@@ -146,11 +146,14 @@ impl Recombined {
     fn pvlib(&self, py: Python<'_>, receiver: usize) -> PyResult<Vec<(&'static str, Block)>> {
         let (frame, labels) = (&self.frame, self.frame.labels.len());
         if receiver >= frame.receivers {
-            return Err(PyIndexError::new_err(format!("{receiver} of {} receivers", frame.receivers)));
+            return Err(PyIndexError::new_err(format!(
+                "receiver {receiver} is out of range: there are {} receivers",
+                frame.receivers
+            )));
         }
         let six = &Component::ALL[..6];
         if let Some(missing) = six.iter().find(|component| !frame.components().contains(component)) {
-            let what = format!("`{}` is not among them, and pvlib's columns are made of all six", missing.name());
+            let what = format!("`{}` is missing, and pvlib's columns need all six components", missing.name());
             return Err(raised(py, Error::argument("columns", what, "leave columns out")));
         }
         let hours = SideHours::of(|component| {
@@ -183,7 +186,7 @@ impl Recombined {
 /// Returns the message about an unknown column, with the names of the known ones.
 pub fn no_column(frame: &Frame, name: &str) -> String {
     let known: Vec<&str> = frame.components().iter().map(|component| frame.components.name_of(*component)).collect();
-    format!("no column `{name}`: there are {}", known.join(", "))
+    format!("no column `{name}`; the columns are {}", known.join(", "))
 }
 
 /// Record batches of results, some receivers at a time.

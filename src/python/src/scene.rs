@@ -231,7 +231,7 @@ impl SceneHandle {
                 return Err(Error::input(
                     &shown(&args.output),
                     None,
-                    "is an address, to which only `copy` writes",
+                    "is an address, and only `copy` writes to addresses",
                     hint,
                 ));
             }
@@ -259,9 +259,9 @@ impl SceneHandle {
                 path: args.output.clone(),
                 start: if args.fresh { Start::Fresh } else { Start::Resume },
                 checkpoint_every: Duration::try_from_secs_f64(args.checkpoint)
-                    .map_err(wrong("checkpoint", "give seconds from 0"))?,
+                    .map_err(wrong("checkpoint", "give a number of seconds, 0 or more"))?,
             };
-            let advice = "give the inputs that it was started with to go on with it, fresh=True to discard it, or another output";
+            let advice = "give the inputs that the build was started with to resume it, fresh=True to discard it, or another output";
             let done = build.plan_and_write(&request, &output).map_err(|error| error.advise(advice))?;
             let archive = ArchiveHandle::of(&args.output)?;
             black_below_horizon(archive.archive())?.iter().for_each(|w| watch.warn(w));

@@ -189,7 +189,7 @@ fn refuse_forks() -> PyResult<()> {
         return Ok(());
     }
     Err(PyRuntimeError::new_err(
-        "heliotile was at work before this process was forked off, and its threads are not here\n  to fix: start processes with \
+        "this process was forked after heliotile had started its threads, which a fork does not have\n  to fix: start processes with \
          multiprocessing.get_context(\"spawn\") or \"forkserver\"",
     ))
 }

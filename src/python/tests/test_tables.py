@@ -77,9 +77,9 @@ def test_types_of_columns(site: heliotile.Archive) -> None:
     assert (site.replay(heliotile.Weather(noted, **PLACE))["total"] == expected["total"]).all()
     istanbul = pd.DataFrame({"dni": 500.0, "dhi": 80.0}, index=pd.date_range("2019-06-20", periods=24, freq="h"))
     assert site.replay(heliotile.Weather(istanbul, time_zone="Europe/Istanbul", **PLACE)).utc_offset == timedelta(hours=3)
-    with pytest.raises(heliotile.ArgumentError, match="the clock of `Europe/Amsterdam` is changed"):
+    with pytest.raises(heliotile.ArgumentError, match="`Europe/Amsterdam` has no constant offset"):
         site.replay(heliotile.Weather(plain, time_zone="Europe/Amsterdam", **PLACE))
-    with pytest.raises(heliotile.InputError, match="an hour of its index is not one of `Europe/Amsterdam`"):
+    with pytest.raises(heliotile.InputError, match="the clock of `Europe/Amsterdam` shows an hour of the index twice"):
         autumn = pd.DataFrame({"dni": 1.0, "dhi": 1.0}, index=pd.date_range("2021-10-31", periods=24, freq="h"))
         heliotile.Weather(autumn, time_zone="Europe/Amsterdam", **PLACE)
     with pytest.raises(heliotile.InputError, match="weather, line 5: column `dni` holds `many`"):
