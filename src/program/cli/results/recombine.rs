@@ -63,7 +63,7 @@ pub struct TableArgs {
     pub output: PathBuf,
     #[command(flatten)]
     pub of: SelectionArgs,
-    /// What a row stands for
+    /// Grouping of rows: what each row stands for
     #[arg(long, value_parser = choice::<By>(), default_value = "receiver")]
     pub by: By,
 }

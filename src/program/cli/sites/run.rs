@@ -51,7 +51,7 @@ pub struct RunArgs {
     /// file with rules of your own (.toml); may be repeated
     #[arg(long, value_name = "NAME|FILE")]
     pub rule: Vec<String>,
-    /// What a row of the tables of --every and --rule stands for
+    /// Grouping of rows in the tables of --every and --rule: what each row stands for
     #[arg(long, value_parser = choice::<By>(), default_value = "receiver", requires = "tables")]
     pub by: By,
     /// Time that labels a row of hours: the start, middle or end of its interval
