@@ -44,7 +44,7 @@ def cut(folder: Path, size: str = "30m") -> heliotile.Atlas:
     return heliotile.Atlas.open(folder / "atlas")
 
 
-def test_parts(tmp_path: Path, whole: pd.Series) -> None:
+def test_parts_give_the_sums_of_one_archive(tmp_path: Path, whole: pd.Series) -> None:
     """Four parts built one by one give the 425 sums of one archive to the bit; a box opens one part, and an atlas pickles by its path."""
     atlas = cut(tmp_path, "45m")
     parts = atlas.parts()
@@ -64,7 +64,7 @@ def test_parts(tmp_path: Path, whole: pd.Series) -> None:
         atlas.build("nowhere")
 
 
-def test_dataset(tmp_path: Path, whole: pd.Series) -> None:
+def test_a_dataset_has_a_chunk_for_each_part(tmp_path: Path, whole: pd.Series) -> None:
     """One Dataset of four parts has 425 receivers with their parts, a chunk each; nothing is computed to open it, and its sums are the archive's."""
     atlas = cut(tmp_path, "45m")
     for part in atlas.parts():
@@ -78,7 +78,7 @@ def test_dataset(tmp_path: Path, whole: pd.Series) -> None:
     assert set(data.part.values) == {part.name for part in atlas.parts()}
 
 
-def test_some_of_an_atlas(tmp_path: Path) -> None:
+def test_a_selection_of_an_atlas_gives_the_same_rows(tmp_path: Path) -> None:
     """Chosen by ids, by object and by a box, an atlas gives, to the bit, what it gives of these among all of its 425 receivers, as results, table,
     Dataset and Dask's rows, from the parts that hold some alone; a query and factors likewise. A name that no part knows is an error."""
     atlas = cut(tmp_path, "45m")
@@ -131,7 +131,7 @@ def test_some_of_an_atlas(tmp_path: Path) -> None:
         atlas.parts((1.0, 2.0, 3.0))
 
 
-def test_names_that_parts_share(tmp_path: Path) -> None:
+def test_parts_may_share_ids_of_receivers(tmp_path: Path) -> None:
     """Two files with an object of one name make receivers of one id in two parts: each keeps its own place, values and rows, chosen by a box, by the
     shared id, or all; and an archive in another part's place is refused by every way to ask."""
     house = "o house\nv {x} 0 0\nv {y} 0 0\nv {y} 10 0\nv {x} 10 0\nv {x} 0 5\nv {y} 0 5\nv {y} 10 5\nv {x} 10 5\nusemtl roof\nf 5 6 7 8\nusemtl wall\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n"
@@ -159,7 +159,7 @@ def test_names_that_parts_share(tmp_path: Path) -> None:
             ask()
 
 
-def test_lost_workers(tmp_path: Path, whole: pd.Series, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_killed_worker_changes_no_part(tmp_path: Path, whole: pd.Series, monkeypatch: pytest.MonkeyPatch) -> None:
     """Parts built by two workers, of which one is killed three times, are those of one machine: the same archives to the byte, 425 sums, also where
     Dask gives a part up with the first worker that is lost around it; replays of a worker with one thread run on 1 thread."""
     alone, atlas = cut(tmp_path), cut(tmp_path / "cluster")
@@ -195,7 +195,7 @@ def test_lost_workers(tmp_path: Path, whole: pd.Series, monkeypatch: pytest.Monk
             assert Path(ours.archive).read_bytes() == Path(theirs.archive).read_bytes()
 
 
-def test_store(tmp_path: Path, whole: pd.Series, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_workers_build_parts_in_a_store(tmp_path: Path, whole: pd.Series, monkeypatch: pytest.MonkeyPatch) -> None:
     """Four parts that two workers build where the atlas lies, in an S3 store (moto), give the 425 sums of one archive to the bit, nothing
     but their archives is there then, and the folder of the plan still holds no part; a part that is there is not built again."""
     plan = cut(tmp_path, "45m")
@@ -225,7 +225,7 @@ def test_store(tmp_path: Path, whole: pd.Series, monkeypatch: pytest.MonkeyPatch
         server.stop()
 
 
-def test_program() -> None:
+def test_the_wheel_runs_the_program() -> None:
     """The wheel runs the program: `python -m heliotile --version` says the package's version, and a wrong word ends with 2."""
     said = subprocess.run([sys.executable, "-m", "heliotile", "--version"], capture_output=True, text=True, check=True)
     assert said.stdout.strip() == f"heliotile {heliotile.__version__}"

@@ -32,7 +32,7 @@ def atlas(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_validators(atlas: Path) -> None:
+def test_validators_accept_the_catalogue(atlas: Path) -> None:
     """pystac validates the collection and 2 items against STAC 1.1, rustac reads the same 3, every link and file in them is there, and a table that
     rustac makes of the items gives both back."""
     collection = pystac.Collection.from_file(str(atlas / "collection.json"))
@@ -83,7 +83,7 @@ def served(atlas: Path) -> Iterator[str]:
         thread.join()
 
 
-def test_on_a_web_server(atlas: Path, served: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_atlas_on_a_web_server_has_the_same_sums(atlas: Path, served: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """An atlas at an address has the parts and, to the bit, the sums of its folder; parts that are not built are told, 2 of 4."""
     monkeypatch.setenv("HELIOTILE_CACHE", "off")
     local, afar = heliotile.Atlas.open(atlas), heliotile.Atlas.open(served)

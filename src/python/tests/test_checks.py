@@ -46,7 +46,7 @@ def test_audit_is_the_programs(site: heliotile.Archive, scene: heliotile.Scene, 
     assert total.worst is not None and total.worst.receiver in site.receivers()["receiver"]
 
 
-def test_audit_of_an_error(scene: heliotile.Scene, tmp_path: Path) -> None:
+def test_a_build_for_an_error_is_the_programs(scene: heliotile.Scene, tmp_path: Path) -> None:
     """An archive that was built for an error under the weather of another clock is the program's, byte by byte, states that error, and is audited
     under a table of 2 conditions."""
     words = ["--error", "20%", "--error-weather", DAYS, "--time-zone", "+03:00"]
@@ -196,7 +196,7 @@ def test_update_is_the_programs(site: heliotile.Archive, tmp_path: Path) -> None
         after.update(tmp_path / "no.helio", height={"tower": "tall"})
 
 
-def test_sunlight(site: heliotile.Archive, tmp_path: Path) -> None:
+def test_sunlight_is_the_programs(site: heliotile.Archive, tmp_path: Path) -> None:
     """A table of a day and one of a rule are those of the program, and the counts are those of its rows; a wrong day says what is wrong."""
     days = site.sunlight(tmp_path / "day.csv", "03-21", zone="+01:00", by="surface", weather=YEAR)
     assert days["days"] == 1 and days["places"] == len((tmp_path / "day.csv").read_text().splitlines()) - 1
@@ -209,7 +209,7 @@ def test_sunlight(site: heliotile.Archive, tmp_path: Path) -> None:
         site.sunlight(tmp_path / "x.csv", "03-32")
 
 
-def test_comfort(tmp_path: Path) -> None:
+def test_comfort_is_the_programs(tmp_path: Path) -> None:
     """A table of months of people on a square is that of the program; an archive of roofs says that it holds no people."""
     corners = [(-30, -30), (30, -30), (30, 30), (-30, 30)]
     (tmp_path / "s.obj").write_text("".join(f"v {x} {y} 0\n" for x, y in corners) + "usemtl ground\nf 1 2 3 4\n")
@@ -227,7 +227,7 @@ def test_comfort(tmp_path: Path) -> None:
         people.comfort(tmp_path / "x.csv", YEAR, receivers="here")  # type: ignore[call-arg]
 
 
-def test_glare(tmp_path: Path) -> None:
+def test_glare_is_the_programs(tmp_path: Path) -> None:
     """Minutes, spells and panes of a mirror are those of the program; a site without mirrors says so."""
     square = "v -3 8 0\nv 3 8 0\nv 3 8 5\nv -3 8 5\n"
     (tmp_path / "s.obj").write_text(f"o ground\nv -90 -90 0\nv 90 -90 0\nv 90 90 0\nv -90 90 0\nusemtl ground\nf 1 2 3 4\no pane\n{square}usemtl mirror\nf 5 6 7 8\n")

@@ -17,7 +17,7 @@ from conftest import DATA, DAYS, PROGRAM
 SUN = {"sun_azimuth_deg": [180.0], "sun_altitude_deg": [40.0], "dni_w_m2": [800.0], "dhi_w_m2": [100.0]}
 
 
-def test_missing_files(site: heliotile.Archive, tmp_path: Path) -> None:
+def test_missing_files_are_file_not_found(site: heliotile.Archive, tmp_path: Path) -> None:
     """3 files that are not there: FileNotFoundError and heliotile.Error, the text of the program, the file as an attribute."""
     for ask in [
         lambda: heliotile.Archive.open(tmp_path / "no.helio"),
@@ -33,14 +33,14 @@ def test_missing_files(site: heliotile.Archive, tmp_path: Path) -> None:
     assert done.returncode == 2 and str(found.value) in done.stderr
 
 
-def test_no_archive(tmp_path: Path) -> None:
+def test_a_file_that_is_no_archive_is_refused(tmp_path: Path) -> None:
     """A file that is no archive is refused by name; a changed byte of one is a CorruptError that names the block."""
     (tmp_path / "text.helio").write_text("not an archive, but long enough to be looked at" * 100)
     with pytest.raises(heliotile.Error, match=r"text\.helio"):
         heliotile.Archive.open(tmp_path / "text.helio")
 
 
-def test_a_changed_byte(site: heliotile.Archive, tmp_path: Path) -> None:
+def test_a_changed_byte_is_found(site: heliotile.Archive, tmp_path: Path) -> None:
     """One changed byte at 20 places: wherever a year's sums come from it, a CorruptError with the block and its offset; else the same sums."""
     whole, expected, damaged = Path(site.path).read_bytes(), site.replay(DAYS, every="total")["total"], 0
     for at in range(4096, len(whole), len(whole) // 20):
@@ -65,14 +65,14 @@ def test_a_changed_byte(site: heliotile.Archive, tmp_path: Path) -> None:
         ({"dhi_w_m2": None}, "column `dhi_w_m2` has the shape"),
     ],
 )
-def test_conditions(site: heliotile.Archive, change: dict, text: str) -> None:
+def test_wrong_conditions_name_their_column(site: heliotile.Archive, change: dict, text: str) -> None:
     """5 wrong tables of conditions, each with the column that is wrong."""
     with pytest.raises(heliotile.InputError, match=text) as found:
         site.query({**SUN, **change})
     assert "to fix" in str(found.value) and isinstance(found.value, ValueError)
 
 
-def test_missing_columns(site: heliotile.Archive) -> None:
+def test_missing_columns_are_named(site: heliotile.Archive) -> None:
     """A column that is missing is named, with those that are needed."""
     with pytest.raises(heliotile.InputError, match="column `dni_w_m2` is missing from the header"):
         site.query({name: values for name, values in SUN.items() if name != "dni_w_m2"})
@@ -84,7 +84,7 @@ def frame(**columns: object) -> pd.DataFrame:
     return pd.DataFrame(columns, index=pd.date_range("2021-06-20", periods=24, freq="h"))
 
 
-def test_weather(site: heliotile.Archive) -> None:
+def test_wrong_weather_is_refused(site: heliotile.Archive) -> None:
     """Times without a zone, no place, unknown columns, an infinite value, a wrong zone are refused; NaN is a missing value, as in files, and warned of by its line."""
     good = frame(dni=500.0, dhi=100.0)
     with pytest.raises(heliotile.InputError, match="its index has no time zone\n  to fix: .*tz_localize"):
@@ -138,7 +138,7 @@ def test_weather(site: heliotile.Archive) -> None:
         ({"receivers": Path("no.csv")}, "No such file"),
     ],
 )
-def test_choices(site: heliotile.Archive, choice: dict, text: str) -> None:
+def test_wrong_choices_are_refused_by_name(site: heliotile.Archive, choice: dict, text: str) -> None:
     """23 wrong choices, each refused with its name and what to give."""
     with pytest.raises(heliotile.Error, match=text):
         site.replay(DAYS, **choice)
@@ -162,14 +162,14 @@ def test_choices(site: heliotile.Archive, choice: dict, text: str) -> None:
         ({"receivers": pd.DataFrame({"id": ["a"]})}, "receivers: has no column `receiver`, but id"),
     ],
 )
-def test_types(site: heliotile.Archive, choice: dict, text: str) -> None:
+def test_wrong_types_are_refused_by_name(site: heliotile.Archive, choice: dict, text: str) -> None:
     """13 choices of the wrong type, each an error of heliotile with its name and what to give."""
     with pytest.raises(heliotile.Error, match=text) as found:
         site.replay(DAYS, **choice)
     assert "to fix: " in str(found.value)
 
 
-def test_types_that_do(site: heliotile.Archive, scene: heliotile.Scene, tmp_path: Path) -> None:
+def test_dates_and_numpy_numbers_are_accepted(site: heliotile.Archive, scene: heliotile.Scene, tmp_path: Path) -> None:
     """Dates, text and NumPy's numbers are taken where they mean something: 13 ways, the same values; results say what columns they have."""
     usual = site.replay(DAYS, year=2019, start="2019-03-21", bounces=2)
     first = str(site.receivers()["receiver"][0])
@@ -196,7 +196,7 @@ def test_types_that_do(site: heliotile.Archive, scene: heliotile.Scene, tmp_path
     assert np.isnan(built.receivers()["area"]).sum() == 1 and built.count == 3
 
 
-def test_names_of_files(scene: heliotile.Scene, site: heliotile.Archive, tmp_path: Path) -> None:
+def test_outputs_replace_no_other_kind_of_file(scene: heliotile.Scene, site: heliotile.Archive, tmp_path: Path) -> None:
     """A table does not replace an archive, and an archive is not called a table or written to an address: 4 refusals, and the archive stays."""
     mine = tmp_path / "site.helio"
     mine.write_bytes(Path(site.path).read_bytes())
@@ -211,7 +211,7 @@ def test_names_of_files(scene: heliotile.Scene, site: heliotile.Archive, tmp_pat
     assert mine.read_bytes() == Path(site.path).read_bytes() and list(tmp_path.iterdir()) == [mine]
 
 
-def test_longwave_of_a_query(site: heliotile.Archive) -> None:
+def test_queries_have_no_longwave(site: heliotile.Archive) -> None:
     """What conditions say nothing of is refused; in a replay it is a column, 200 to 500 W/m2."""
     with pytest.raises(heliotile.UnsupportedError, match="longwave"):
         site.query(SUN, columns=["longwave"])
@@ -219,7 +219,7 @@ def test_longwave_of_a_query(site: heliotile.Archive) -> None:
     assert 100 < values.min() < values.max() < 600
 
 
-def test_builds(scene: heliotile.Scene, site: heliotile.Archive, tmp_path: Path) -> None:
+def test_wrong_builds_leave_nothing_behind(scene: heliotile.Scene, site: heliotile.Archive, tmp_path: Path) -> None:
     """6 wrong builds; nothing is left behind, and a file that is no archive stays as it was."""
     receivers = DATA / "hague" / "receivers.csv"
     out = tmp_path / "site.helio"
@@ -242,7 +242,7 @@ def test_builds(scene: heliotile.Scene, site: heliotile.Archive, tmp_path: Path)
     assert out.read_text() == "mine"
 
 
-def test_scenes() -> None:
+def test_wrong_places_of_scenes_are_refused() -> None:
     """One coordinate without the other, and a system in degrees, are refused."""
     scene = DATA / "hague" / "scene.obj"
     with pytest.raises(heliotile.ArgumentError, match="belong together"):
@@ -251,7 +251,7 @@ def test_scenes() -> None:
         heliotile.Scene(scene, crs=4326)
 
 
-def test_datasets(site: heliotile.Archive) -> None:
+def test_unknown_columns_and_receivers_are_refused(site: heliotile.Archive) -> None:
     """Without weather there is nothing to replay; an unknown column, receiver and row are KeyErrors and IndexErrors that say what there is."""
     with pytest.raises(TypeError, match="give weather"):
         xr.open_dataset(site.path, engine="heliotile")
@@ -267,7 +267,7 @@ def test_datasets(site: heliotile.Archive) -> None:
         hours.to_pvlib("nobody")
 
 
-def test_receivers_that_are_not_there(site: heliotile.Archive) -> None:
+def test_unknown_selections_are_refused(site: heliotile.Archive) -> None:
     """6 ways to name receivers that are none: each an error with what to do."""
     for receivers, text in [
         (["nobody"], "does not hold 1 receiver: nobody"),

@@ -18,7 +18,7 @@ def test_there_are_five() -> None:
 
 
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
-def test_example(example: Path, tmp_path: Path) -> None:
+def test_examples_print_a_number(example: Path, tmp_path: Path) -> None:
     """Each ends well within 60 s and prints a number."""
     start = time.perf_counter()
     done = subprocess.run([sys.executable, example], cwd=tmp_path, capture_output=True, text=True, timeout=120)

@@ -100,7 +100,7 @@ def test_energyplus_is_the_programs(tmp_path: Path) -> None:
     assert (tmp_path / "program" / "model.idf").read_bytes() == (tmp_path / "python" / "model.idf").read_bytes()
 
 
-def test_parts_and_unions(site: heliotile.Archive, tmp_path: Path) -> None:
+def test_two_halves_make_the_archive_again(site: heliotile.Archive, tmp_path: Path) -> None:
     """Two halves of 78 receivers make the archive again: equal, and 39 receivers differ from it; bytes are the program's."""
     ids = site.receivers()["receiver"]
     with site.extract(tmp_path / "a.helio", ids[:39]) as a, site.extract(tmp_path / "b.helio", ids[39:]) as b:
@@ -200,7 +200,7 @@ def test_options_have_names(site: heliotile.Archive) -> None:
     assert np.array_equal(site.replay(DAYS)["total"], site.replay(DAYS, every="hour", sky="perez", paths="all")["total"])
 
 
-def test_scenes_and_their_words(tmp_path: Path) -> None:
+def test_a_scene_with_y_up_is_turned(tmp_path: Path) -> None:
     """A scene with y up stands as one with z up, and its request has what was said of it."""
     (tmp_path / "z.obj").write_text("v 0 0 0\nv 4 0 0\nv 4 0 3\nv 0 0 3\nusemtl wall\nf 1 2 3 4\n")
     (tmp_path / "y.obj").write_text("v 0 0 0\nv 4 0 0\nv 4 3 0\nv 0 3 0\nusemtl wall\nf 1 2 3 4\n")

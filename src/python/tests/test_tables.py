@@ -26,7 +26,7 @@ def frame() -> pd.DataFrame:
 PLACE = dict(latitude=52.08, longitude=4.3)
 
 
-def test_weather_of_a_frame(site: heliotile.Archive, frame: pd.DataFrame, tmp_path: Path) -> None:
+def test_a_frame_is_read_like_its_csv_file(site: heliotile.Archive, frame: pd.DataFrame, tmp_path: Path) -> None:
     """A DataFrame gives the values of its CSV file in the program, to the bit."""
     written = frame.copy()
     written.insert(0, "time", [stamp.isoformat() for stamp in frame.index])
@@ -40,7 +40,7 @@ def test_weather_of_a_frame(site: heliotile.Archive, frame: pd.DataFrame, tmp_pa
     assert (site.replay(heliotile.Weather(mapping, **PLACE))["total"] == results["total"]).all()
 
 
-def test_types_of_columns(site: heliotile.Archive) -> None:
+def test_types_of_columns_do_not_matter(site: heliotile.Archive) -> None:
     """Numbers as objects, text and Decimal, with None and NA for what is missing, are those of floats, to the bit; so are tables of Polars and Arrow
     with a zone, in UTC or in the zone's own clock, and pvlib's pair of table and metadata. A cell that is no number is an error of its line."""
     index = pd.date_range("2021-06-20", periods=48, freq="h", tz="Europe/Amsterdam")
@@ -88,7 +88,7 @@ def test_types_of_columns(site: heliotile.Archive) -> None:
     assert (site.query(conditions)["total"] == site.query(conditions.to_pandas())["total"]).all()
 
 
-def test_summer_time(site: heliotile.Archive) -> None:
+def test_summer_time_becomes_standard_time(site: heliotile.Archive) -> None:
     """A zone with summer time is told in standard time: one offset, +01:00, over the change of 28 March 2021, and in June alone."""
     june = pd.DataFrame({"dni": 500.0, "dhi": 80.0}, index=pd.date_range("2021-06-20", periods=24, freq="h", tz="Europe/Amsterdam"))
     assert site.replay(heliotile.Weather(june, **PLACE)).utc_offset == timedelta(hours=1)
@@ -99,7 +99,7 @@ def test_summer_time(site: heliotile.Archive) -> None:
     assert results.shape[1] == 72 and (np.diff(results.time_utc) == np.timedelta64(3600, "s")).all()
 
 
-def test_pandas(site: heliotile.Archive) -> None:
+def test_pandas_has_a_row_for_each_hour(site: heliotile.Archive) -> None:
     """A row for each of 78 receivers and 72 hours, named as in files, with times in their zone; sums have words for typical years."""
     hours = site.replay(DAYS, columns=["total"])
     table = hours.to_pandas()
@@ -110,7 +110,7 @@ def test_pandas(site: heliotile.Archive) -> None:
     assert list(sums.columns)[-1] == "total_kwh_m2" and sums["time"].unique().tolist() == ["total"]
 
 
-def test_arrow_readers(site: heliotile.Archive) -> None:
+def test_four_readers_share_arrow_memory(site: heliotile.Archive) -> None:
     """pyarrow, Polars, DuckDB and pandas read the capsule: one sum of 78 x 72 values, and Arrow's memory is NumPy's."""
     import duckdb
     import polars as pl

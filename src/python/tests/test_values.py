@@ -76,7 +76,7 @@ def test_bands_are_the_programs(site: heliotile.Archive, tmp_path: Path) -> None
         assert np.allclose(results["total_half"], 0.5 * results["total"], rtol=1e-5)
 
 
-def test_receivers_by_object_surface_and_box(block: heliotile.Archive, tmp_path: Path) -> None:
+def test_selections_are_the_programs(block: heliotile.Archive, tmp_path: Path) -> None:
     """A building, two surfaces and a box, of 1,228 receivers: equal to the bit to the program's, and to a list of their ids."""
     table = pd.DataFrame(block.receivers())
     first = table.iloc[0]
@@ -127,7 +127,7 @@ def test_factors_are_the_programs(site: heliotile.Archive, tmp_path: Path) -> No
     assert factors.to_xarray()["ReflFacBmToDiffSolGnd"].sel(surface="roof", sun_azimuth_deg=180, sun_altitude_deg=45).item() > 0
 
 
-def test_pvlib_names(site: heliotile.Archive) -> None:
+def test_pvlib_columns_are_sums_of_components(site: heliotile.Archive) -> None:
     """poa_* of a receiver are sums of its components, to the bit, under times with their zone."""
     hours = site.replay(DAYS, stamp="middle")
     row = 10
@@ -189,7 +189,7 @@ def test_an_error_is_kept(scene: heliotile.Scene, tmp_path: Path) -> None:
     assert site.count == 40 and int(site.settings["hit"]) >= 8
 
 
-def test_receivers(site: heliotile.Archive) -> None:
+def test_receivers_have_unit_normals(site: heliotile.Archive) -> None:
     """78 receivers with unit normals, areas and surfaces, in the order of results; shares of the hemisphere are at most 1."""
     table = pd.DataFrame(site.receivers())
     assert len(table) == site.count == 78 and table["receiver"].tolist() == site.replay(DAYS, every="total").receivers
@@ -199,7 +199,7 @@ def test_receivers(site: heliotile.Archive) -> None:
     assert {material.kind for material in site.materials()} == {"ground", "obstruction"}
 
 
-def test_some_receivers(block: heliotile.Archive, tmp_path: Path) -> None:
+def test_some_receivers_are_rows_of_the_table(block: heliotile.Archive, tmp_path: Path) -> None:
     """The table of a building and of a list of ids, and the coordinates of their Dataset, are rows of the table of 1,228 receivers in its
     order, dtypes included but for the widths of texts; names with 4-byte characters and of 300 characters come back as they were."""
     table = block.receivers()
@@ -220,7 +220,7 @@ def test_some_receivers(block: heliotile.Archive, tmp_path: Path) -> None:
     assert sorted(open_air.receivers()["receiver"].tolist()) == sorted(names)
 
 
-def test_the_year(site: heliotile.Archive, tmp_path: Path) -> None:
+def test_a_year_is_the_programs(site: heliotile.Archive, tmp_path: Path) -> None:
     """A year of 78 receivers by month: equal to the bit, and README's 1271.4 kWh/m2 of roofs within 2 % at draft quality."""
     values = of_program(tmp_path, "replay", site, "--weather", YEAR, "--every", "month")
     with pytest.warns(heliotile.HeliotileWarning, match="come from different years"):

@@ -21,7 +21,7 @@ import pytest
 from conftest import DATA, DAYS, YEAR, program
 
 
-def test_ten_threads(site: heliotile.Archive, conditions: Path) -> None:
+def test_ten_threads_get_equal_answers(site: heliotile.Archive, conditions: Path) -> None:
     """10 threads ask one archive at once, 5 times each: 50 equal answers."""
     expected = site.query(conditions)["total"]
     with ThreadPoolExecutor(10) as pool:
@@ -49,7 +49,7 @@ def test_other_threads_go_on(block: heliotile.Archive) -> None:
     assert ticks > 50 * seconds, f"{ticks} in {seconds} s"
 
 
-def test_progress(scene: heliotile.Scene, tmp_path: Path) -> None:
+def test_a_build_reports_its_stages(scene: heliotile.Scene, tmp_path: Path) -> None:
     """A build tells of its stages, each of which ends with all of its items."""
     told: dict[str, list[tuple[int, int | None]]] = {}
     heliotile.build(
@@ -115,7 +115,7 @@ def test_ctrl_c_stops_a_build(scene: heliotile.Scene, tmp_path: Path) -> None:
     assert path.read_bytes() == (tmp_path / "whole.helio").read_bytes() and went_on.root == whole.root
 
 
-def test_a_callback_that_raises(block: heliotile.Archive) -> None:
+def test_a_callback_that_raises_stops_the_work(block: heliotile.Archive) -> None:
     """What progress raises is raised by the replay, which stops."""
 
     def refuse(stage: str, done: int, items: int | None) -> None:
@@ -125,7 +125,7 @@ def test_a_callback_that_raises(block: heliotile.Archive) -> None:
         block.replay(YEAR, progress=refuse)
 
 
-def test_a_thread_that_is_not_the_main_one(site: heliotile.Archive) -> None:
+def test_ctrl_c_does_not_stop_other_threads(site: heliotile.Archive) -> None:
     """Signals are the main thread's: a replay in another thread is done all the same while Ctrl-C comes."""
     with ThreadPoolExecutor(1) as pool:
         future = pool.submit(site.replay, DAYS)
@@ -142,7 +142,7 @@ def test_forks_are_refused(site: heliotile.Archive) -> None:
     assert "was forked after" in text and "spawn" in text
 
 
-def test_forks_after_a_listing(tmp_path: Path) -> None:
+def test_forks_after_a_listing_are_refused(tmp_path: Path) -> None:
     """Parts of an atlas that were listed are work, too: a process that is forked off after nothing else is refused, not left waiting. A repr tells no
     password."""
     program("partition", DATA / "cityjson" / "hague.city.json", "--spacing", "8m", "--quality", "draft", "--sample", "0", "-o", tmp_path / "atlas")
@@ -164,7 +164,7 @@ def forked(path: str) -> str:
         return str(error)
 
 
-def test_schedules_of_pickles(block: heliotile.Archive, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_pickles_keep_their_schedules(block: heliotile.Archive, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A Dataset with a schedule by a relative path has, loaded where another file has that name, the values of its own."""
     import xarray as xr
 
@@ -182,7 +182,7 @@ def test_schedules_of_pickles(block: heliotile.Archive, tmp_path: Path, monkeypa
     assert expected.mean() > 1.001 * other.mean()
 
 
-def test_lazy_rows_from_threads(block: heliotile.Archive) -> None:
+def test_ten_threads_read_rows_on_demand(block: heliotile.Archive) -> None:
     """10 threads index one Dataset at once: all 1,228 rows as in memory."""
     import xarray as xr
 

@@ -38,7 +38,7 @@ def test_one_receiver_is_one_tile(block: heliotile.Archive, dataset: xr.Dataset)
         assert (one[column].values == expected[column][0]).all()
 
 
-def test_every_way_to_index(block: heliotile.Archive, dataset: xr.Dataset) -> None:
+def test_indexing_is_that_of_numpy(block: heliotile.Archive, dataset: xr.Dataset) -> None:
     """Numbers, slices, lists, masks and backward slices of both dimensions give what NumPy gives of all 1,228 x 72 values."""
     whole = block.replay(DAYS, columns=["total"])["total"]
     total = dataset["total"]
@@ -60,7 +60,7 @@ def test_every_way_to_index(block: heliotile.Archive, dataset: xr.Dataset) -> No
     assert (some == whole[[3, 800], [1, 40]]).all()
 
 
-def test_what_it_says(dataset: xr.Dataset) -> None:
+def test_a_dataset_states_units_and_provenance(dataset: xr.Dataset) -> None:
     """Units of CF, coordinates of the receivers, chunks of 64, provenance with the archive's root."""
     total = dataset["total"]
     assert total.attrs["units"] == "W m-2" and total.encoding["preferred_chunks"] == {"receiver": 64, "time": 72}
@@ -71,7 +71,7 @@ def test_what_it_says(dataset: xr.Dataset) -> None:
     assert south.sizes["receiver"] == 410
 
 
-def test_dask(block: heliotile.Archive) -> None:
+def test_a_tile_is_a_task_of_dask(block: heliotile.Archive) -> None:
     """With chunks a tile is a task, whose threads run at once: the mean of 1,228 x 72 values is that of all in memory."""
     lazy = xr.open_dataset(block.path, engine="heliotile", weather=DAYS, columns=["total"], chunks={})
     assert lazy["total"].data.numblocks == (20, 1)
@@ -86,7 +86,7 @@ def test_in_memory_is_the_same(block: heliotile.Archive, dataset: xr.Dataset) ->
     xr.testing.assert_equal(eager, dataset.sel(receiver=eager["receiver"].values).load())
 
 
-def test_pickles(block: heliotile.Archive, scene: heliotile.Scene, dataset: xr.Dataset) -> None:
+def test_pickles_restore_archives_and_scenes(block: heliotile.Archive, scene: heliotile.Scene, dataset: xr.Dataset) -> None:
     """Archive, scene and Dataset come out of a pickle as they went in; the Dataset is small, and works in a new process."""
     again = pickle.loads(pickle.dumps(block))
     assert again.root == block.root and again.count == 1228
@@ -98,7 +98,7 @@ def test_pickles(block: heliotile.Archive, scene: heliotile.Scene, dataset: xr.D
         assert pool.apply(total_of, (packed,)) == one["total"].values.sum().item()
 
 
-def test_pickles_go_elsewhere(block: heliotile.Archive, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_pickles_open_in_another_folder(block: heliotile.Archive, monkeypatch: pytest.MonkeyPatch) -> None:
     """What was opened by names without folders is unpickled in another folder: the same 72 hours of receiver 5."""
     path = Path(block.path)
     monkeypatch.chdir(path.parent)
