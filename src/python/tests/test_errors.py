@@ -139,7 +139,7 @@ def test_wrong_weather_is_refused(site: heliotile.Archive) -> None:
     ],
 )
 def test_wrong_choices_are_refused_by_name(site: heliotile.Archive, choice: dict, text: str) -> None:
-    """23 wrong choices, each refused with its name and what to give."""
+    """25 wrong choices, each refused with its name and what to give."""
     with pytest.raises(heliotile.Error, match=text):
         site.replay(DAYS, **choice)
 
