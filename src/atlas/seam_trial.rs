@@ -9,11 +9,11 @@ use crate::seams::Seams;
 use heliotile_builder::accuracy::CONDITIONS;
 use heliotile_builder::accuracy::conditions::ErrorConditions;
 use heliotile_builder::accuracy::estimate::percent;
-use heliotile_builder::accuracy::judged::{TOTAL, rounded, with_total};
+use heliotile_builder::accuracy::reference_sample::{TOTAL, rounded, with_total};
 use heliotile_builder::accuracy::trial::{Bench, Irradiances};
-use heliotile_builder::judge::comparison::{Deviation, Pair, deviation, mean_w_m2};
-use heliotile_builder::judge::{Judged, PARTS};
 use heliotile_builder::pipeline::{PreparedScene, Workspace};
+use heliotile_builder::reference::comparison::{Deviation, Pair, deviation, mean_w_m2};
+use heliotile_builder::reference::{PARTS, ReferenceLight};
 use heliotile_core::error::Result;
 use heliotile_core::observer::{Observer, Silent};
 use heliotile_core::replay::components::Component;
@@ -123,8 +123,8 @@ impl Differences {
         let conditions = (near.rows.len() / receivers.max(1)).max(1);
         for (i, (near, wide)) in near.rows.iter().zip(&wide.rows).enumerate() {
             let [result, mean] = [near, wide].map(with_total);
-            let judged = Judged { mean, ..Judged::default() };
-            self.pairs.push(Pair { receiver: first + i / conditions, condition: i % conditions, result, judged });
+            let reference = ReferenceLight { mean, ..ReferenceLight::default() };
+            self.pairs.push(Pair { receiver: first + i / conditions, condition: i % conditions, result, reference });
         }
         self.part_of.resize(first + receivers, self.parts);
         self.parts += 1;

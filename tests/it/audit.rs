@@ -3,9 +3,9 @@
 use std::fs;
 
 use heliotile_builder::accuracy::conditions::ErrorConditions;
-use heliotile_builder::judge::comparison::{Pair, deviation, mean_w_m2};
-use heliotile_builder::judge::{AuditInputs, Audited, audit};
 use heliotile_builder::pipeline::{Plan, PreparedScene};
+use heliotile_builder::reference::comparison::{Pair, deviation, mean_w_m2};
+use heliotile_builder::reference::{AuditInputs, Audited, audit};
 use heliotile_builder::settings::{Quality, Rungs};
 use heliotile_builder::spill::TempFiles;
 use heliotile_core::archive::Archive;
@@ -48,7 +48,7 @@ fn mirrors_and_glass_agree_with_the_reference() {
         let found = deviation(&pairs, &suns, part);
         let [bias, rmse] = [found.bias_w_m2, found.rmse_w_m2].map(|known| known.times(100.0 / mean));
         let light = |of: fn(&Pair, usize) -> f64| pairs.iter().map(|pair| of(pair, part)).sum::<f64>();
-        assert!(light(|pair, part| pair.result[part]) > 0.0 && light(|pair, part| pair.judged.mean[part]) > 0.0);
+        assert!(light(|pair, part| pair.result[part]) > 0.0 && light(|pair, part| pair.reference.mean[part]) > 0.0);
         let most = if part == 6 { 1.2 } else { 1.0 };
         assert!(rmse.value < most && bias.value.abs() < 0.4 && rmse.high - rmse.low < 1.0, "{part} {bias:?} {rmse:?}");
     }

@@ -4,8 +4,8 @@
 use std::path::Path;
 
 use glam::DVec3;
-use heliotile_builder::judge::{Judge, JudgedSky};
 use heliotile_builder::pipeline::PreparedScene;
+use heliotile_builder::reference::{PathTracer, ReferenceSky};
 use heliotile_builder::settings::{BuildSettings, Effects};
 use heliotile_core::hemisphere::mix;
 use heliotile_core::light::radiosity::MaxBounces;
@@ -153,18 +153,20 @@ fn a_tree_scatters_like_the_reference_path_tracer() {
     let dark = site(&tree(0.0, 0.1), &receivers, &BuildSettings::default());
     let dark = dark.replay(&conditions, SkyModel::Uniform, MaxBounces::All);
     let prepared = PreparedScene::new(&scene).expect("a tree");
-    let judge = Judge::new(&prepared, Effects::NONE);
-    let skies = conditions.clone().map(|condition| JudgedSky::new(&condition, SkyModel::Uniform).expect("a sky"));
+    let tracer = PathTracer::new(&prepared, Effects::NONE);
+    let skies = conditions.clone().map(|condition| ReferenceSky::new(&condition, SkyModel::Uniform).expect("a sky"));
     let (mut most, mut off, mut all) = (0.0_f64, Vec::new(), 0.0);
     for (number, of) in receivers.iter().enumerate() {
-        let judged = judge.irradiance(of.position, of.normal, &skies.each_ref(), 1 << 13, mix(5, number as u64));
-        for (i, judged) in judged.iter().enumerate() {
+        let reference = tracer.irradiance(of.position, of.normal, &skies.each_ref(), 1 << 13, mix(5, number as u64));
+        for (i, reference) in reference.iter().enumerate() {
             let (row, dark) = (&rows[&of.id][i], &dark[&of.id][i]);
             off.push(
-                row.sun_diffuse + row.sky_diffuse - judged.mean[SunDiffuse as usize] - judged.mean[SkyDiffuse as usize],
+                row.sun_diffuse + row.sky_diffuse
+                    - reference.mean[SunDiffuse as usize]
+                    - reference.mean[SkyDiffuse as usize],
             );
             most = most.max((row.sun_diffuse + row.sky_diffuse) / (dark.sun_diffuse + dark.sky_diffuse) - 1.0);
-            all += judged.mean[Total as usize];
+            all += reference.mean[Total as usize];
         }
     }
     let count = off.len() as f64;

@@ -47,7 +47,7 @@ def truth_of(program, at, suns, paths):
             run(program, "audit", f"{scratch}/site.helio", *scene_of(at), "--conditions", suns, "--samples", "400", "--paths", str(paths),
                 "--seed", "7", "-o", f"{at}/truth")
     value = lambda row, names, kind, power: sum(float(row[f"{name}_{kind}_w_m2"]) ** power for name in names)
-    of = lambda row: {light: (value(row, names, "judged", 1), value(row, names, "standard_error", 2)) for light, names in LIGHTS.items()}
+    of = lambda row: {light: (value(row, names, "reference", 1), value(row, names, "standard_error", 2)) for light, names in LIGHTS.items()}
     return {(row["receiver"], row["condition"]): of(row) for row in rows(f"{at}/truth/audit.csv")}
 
 
@@ -57,15 +57,15 @@ def errors(program, archive, suns, truth, scratch):
     off = {light: [] for light in ("total", *LIGHTS)}
     noise, mean = dict.fromkeys(off, 0.0), 0.0
     for row in rows(f"{scratch}/query.csv"):
-        judged = truth.get((row["receiver"], row["condition"]))
-        if judged is None:
+        reference = truth.get((row["receiver"], row["condition"]))
+        if reference is None:
             continue
-        by = {light: sum(float(row[name]) for name in names) - judged[light][0] for light, names in LIGHTS.items()}
+        by = {light: sum(float(row[name]) for name in names) - reference[light][0] for light, names in LIGHTS.items()}
         for light in LIGHTS:
             off[light].append(by[light])
-            noise[light] += judged[light][1]
-            noise["total"] += judged[light][1]
-            mean += judged[light][0]
+            noise[light] += reference[light][1]
+            noise["total"] += reference[light][1]
+            mean += reference[light][0]
         off["total"].append(sum(by.values()))
     mean /= len(off["total"])
     rmse = lambda light: math.sqrt(max(0, sum(x * x for x in off[light]) - noise[light]) / len(off[light])) / mean * 100

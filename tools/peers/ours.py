@@ -67,23 +67,23 @@ def components(table, ids):
     return out
 
 
-def judge(scene, conditions, paths, folder):
+def tracer(scene, conditions, paths, folder):
     """What the reference path tracer of `audit` gives for all receivers: total [condition][receiver] and its standard error, W/m2."""
     names = [row["condition"] for row in csv.DictReader(conditions.read_text().splitlines())]
-    given = repr(("judge", paths, scene.digest())).encode() + conditions.read_bytes() + programs.HELIOTILE.read_bytes()
-    kept = folder / f"judge-{hashlib.sha256(given).hexdigest()[:16]}.npz"
+    given = repr(("tracer", paths, scene.digest())).encode() + conditions.read_bytes() + programs.HELIOTILE.read_bytes()
+    kept = folder / f"tracer-{hashlib.sha256(given).hexdigest()[:16]}.npz"
     if not kept.exists():
         archive = folder / "draft.helio"
         inputs = [scene.obj, "-m", scene.materials]
         programs.run([programs.HELIOTILE, "build", *inputs, "-r", scene.receivers, "-o", archive, "--fresh", "--quality", "draft"], folder)
         programs.run([programs.HELIOTILE, "audit", archive, *inputs, "--conditions", conditions, "--samples", str(len(scene.ids)),
-                      "--paths", str(paths), "-o", folder / "judge"], folder)
+                      "--paths", str(paths), "-o", folder / "tracer"], folder)
         place = {name: i for i, name in enumerate(scene.ids)}
         total = np.full((2, len(names), len(scene.ids)), np.nan)
-        with open(folder / "judge" / "audit.csv", newline="") as file:
+        with open(folder / "tracer" / "audit.csv", newline="") as file:
             for row in csv.DictReader(file):
                 at = names.index(row["condition"]), place[row["receiver"]]
-                total[(0, *at)], total[(1, *at)] = float(row["total_judged_w_m2"]), float(row["total_standard_error_w_m2"])
+                total[(0, *at)], total[(1, *at)] = float(row["total_reference_w_m2"]), float(row["total_standard_error_w_m2"])
         np.savez(kept, total=total[0], error=total[1])
     found = np.load(kept)
     return found["total"], found["error"]

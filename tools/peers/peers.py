@@ -66,7 +66,7 @@ def main():
     parser.add_argument("--site", type=Path, default=SITE, help="folder with scene.obj, materials.toml, receivers.csv")
     parser.add_argument("--only", help="one scene: canyon, mirror or site")
     parser.add_argument("--truth-only", action="store_true", help="stop when the `rtrace` reference is computed")
-    parser.add_argument("--judge-only", action="store_true", help="stop when the reference path tracer of `audit` was compared with `rtrace`")
+    parser.add_argument("--reference-only", action="store_true", help="stop when the reference path tracer of `audit` was compared with `rtrace`")
     arguments = parser.parse_args()
     cases = {"canyon": (scenes.canyon, (3, 3, 2)), "mirror": (scenes.mirror, (3, 3, 2)),
              "site": (lambda work: scenes.site(arguments.site, work), (3, 2, 1))}
@@ -79,14 +79,14 @@ def main():
         if arguments.truth_only:
             continue
         scene, _, chosen, known, folder = everything
-        total, error = ours.judge(scene, folder / "conditions.csv", PATHS, folder)
-        judged = table.judged(name, total[:, chosen], error[:, chosen], known)
-        print(judged, flush=True)
-        if arguments.judge_only:
+        total, error = ours.tracer(scene, folder / "conditions.csv", PATHS, folder)
+        reference = table.reference(name, total[:, chosen], error[:, chosen], known)
+        print(reference, flush=True)
+        if arguments.reference_only:
             continue
         print(table.HEAD)
         more, remarks = methods(*everything)
-        rows, notes = rows + more, [*notes, *remarks, judged]
+        rows, notes = rows + more, [*notes, *remarks, reference]
     if rows:
         print("\n".join([table.HEAD, *(table.line(r) for r in rows), "", *notes]))
         table.write(rows, WORK / "peers.csv")

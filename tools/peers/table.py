@@ -62,7 +62,7 @@ def write(rows, path):
             out.writerow(v if isinstance(v, str) else f"{v:.5f}" for v in asdict(r).values())
 
 
-def judged(scene, total, error, truth):
+def reference(scene, total, error, truth):
     """One line: the reference path tracer [condition][receiver] beside the reference, and what the noise of both explains."""
     mean, off = truth.total.mean() / 100, total - truth.total
     noise = np.sqrt(np.mean(error**2 + truth.error**2))

@@ -7,7 +7,7 @@
 //! error of the finest trial from the next coarser one, then the errors of all others. Rungs that
 //! were not tried get errors in proportion to typical ones.
 
-use crate::accuracy::judged::SourcesFound;
+use crate::accuracy::reference_sample::SourcesFound;
 use crate::accuracy::trial::{ErrorSource, Irradiances, Trial};
 use crate::settings::ladder::{BOUNCED_RUNGS, PATCH_RUNGS, Rungs, SEEN_RUNGS, SKY_RUNGS};
 

@@ -4,14 +4,14 @@
 //! A spread sample of the receivers is divided in two. The pilot is built with a few settings, and
 //! the distances between the results give the error of every rung of each ladder ([`estimate`]).
 //! The check is built with the chosen settings and compared with the independent [reference path
-//! tracer](crate::judge), in all hours and in those when the sun lights what receivers see but not
+//! tracer](crate::reference), in all hours and in those when the sun lights what receivers see but not
 //! the receivers. If the total or reflected light alone exceeds the target there, finer settings
 //! are chosen by the errors found for each source. Nothing depends on the machine, so the same site
 //! and target give the same settings and the same archive.
 
 pub mod conditions;
 pub mod estimate;
-pub mod judged;
+pub mod reference_sample;
 pub mod trial;
 
 #[cfg(test)]
@@ -29,7 +29,7 @@ use heliotile_core::archive::accuracy::Accuracy;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::observer::Stage;
 use heliotile_core::site::receiver::{Receiver, TILE};
-use judged::{JudgedSample, rounded};
+use reference_sample::{ReferenceSample, rounded};
 use trial::{Bench, ErrorSource, Trial};
 
 /// Receivers of the site per receiver of the pilot; [`CHECKED_SHARE`] is that number for the check.
@@ -173,10 +173,10 @@ pub fn choose(build: &mut Build, wish: &PilotRequest) -> Result<SettingsChoice> 
     let of_checked: Vec<u32> = checked.iter().map(|s| s.0).collect();
     let tile = |i: usize| of_checked.get(i).copied().unwrap_or_default();
     let (_, mut here) = try_out(1, chosen)?;
-    let judged = JudgedSample::of(&bench(1), wish.left_out, wish.target_percent)?.with_hours(&here.light);
+    let reference = ReferenceSample::of(&bench(1), wish.left_out, wish.target_percent)?.with_hours(&here.light);
     let mut round = 0;
     let accuracy = loop {
-        let (accuracy, found) = (judged.accuracy(&here.light, tile), judged.sources(&here.light));
+        let (accuracy, found) = (reference.accuracy(&here.light, tile), reference.sources(&here.light));
         let keeps = accuracy.rmse_percent <= wish.target_percent && found.lit_percent <= wish.target_percent;
         round += 1;
         if keeps || round == ROUNDS {

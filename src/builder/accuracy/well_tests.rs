@@ -5,9 +5,9 @@ use glam::DVec3;
 
 use super::sample;
 use super::trial::Bench;
-use crate::judge::{Judge, JudgedSky};
 use crate::pipeline::{PreparedScene, Workspace};
 use crate::receiver_tiles::ReceiverTiles;
+use crate::reference::{PathTracer, ReferenceSky};
 use crate::settings::{Effects, Quality, Rungs};
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::observer::Silent;
@@ -74,9 +74,9 @@ fn too_bright(middle: DVec3) -> [f64; 2] {
         Condition::new(format!("{i}"), &[sun], sun, 800.0, 0.0)
     }));
     let prepared = PreparedScene::new(&scene).expect("a tree");
-    let skies: Vec<JudgedSky> =
-        conditions.iter().map(|c| JudgedSky::new(c, SkyModel::default()).expect("a sky")).collect();
-    let judge = Judge::new(&prepared, Effects::NONE);
+    let skies: Vec<ReferenceSky> =
+        conditions.iter().map(|c| ReferenceSky::new(c, SkyModel::default()).expect("a sky")).collect();
+    let tracer = PathTracer::new(&prepared, Effects::NONE);
     let workspace = Workspace { folder: folder.path().into(), memory: MemoryBudget::DEFAULT };
     let bench = Bench {
         scene: &prepared,
@@ -88,16 +88,16 @@ fn too_bright(middle: DVec3) -> [f64; 2] {
     let light = bench.trial(Rungs::of(Quality::Fine).settings()).expect("a build").light;
     let mut means = [[0.0; 2]; 2];
     for (receiver, rows) in receivers.iter().zip(light.rows.chunks(conditions.len())) {
-        let under: Vec<&JudgedSky> = skies.iter().collect();
-        let judged = judge.irradiance(receiver.position, receiver.normal, &under, 8192, 1);
-        for (i, (row, judged)) in rows.iter().zip(judged).enumerate() {
+        let under: Vec<&ReferenceSky> = skies.iter().collect();
+        let reference = tracer.irradiance(receiver.position, receiver.normal, &under, 8192, 1);
+        for (i, (row, reference)) in rows.iter().zip(reference).enumerate() {
             let total: f64 = row.iter().take(6).map(|part| f64::from(*part)).sum();
             let of_sun = usize::from(i > 0);
             means[of_sun][0] += total;
-            means[of_sun][1] += judged.mean[6];
+            means[of_sun][1] += reference.mean[6];
         }
     }
-    means.map(|[built, judged]| built / judged - 1.0)
+    means.map(|[built, reference]| built / reference - 1.0)
 }
 
 /// In 4 light wells, wherever the grid of cells cuts them, `fine` builds are off by less than 9 %

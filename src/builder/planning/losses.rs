@@ -2,7 +2,7 @@
 //! scene, receivers, weather. Out: by groups of receivers, an upper bound of the light that is lost
 //! without an effect.
 //!
-//! The [reference path tracer](crate::judge) follows light paths of a sample of receivers under all
+//! The [reference path tracer](crate::reference) follows light paths of a sample of receivers under all
 //! suns and skies of the year at once. It counts the light that came by surfaces, by several of
 //! them and by mirrors, and the light that canopies took away. A bound is 1.05 times the mean
 //! found, since a build may overestimate an effect, plus three standard errors: of the path tracer
@@ -16,9 +16,9 @@ use rayon::prelude::*;
 use crate::accuracy::conditions::{ErrorConditions, is_lit};
 use crate::accuracy::estimate::percent;
 use crate::accuracy::sample;
-use crate::judge::groups::by_sky_view;
-use crate::judge::{Judge, Judged, JudgedSky};
 use crate::pipeline::Build;
+use crate::reference::groups::by_sky_view;
+use crate::reference::{PathTracer, ReferenceLight, ReferenceSky};
 use crate::settings::{BuildSettings, Effect, Effects};
 use heliotile_core::error::Result;
 use heliotile_core::hemisphere::mix;
@@ -120,7 +120,7 @@ impl GroupLosses {
 struct Asked {
     sky_view: f64,
     /// Sums of the year, kWh/m2.
-    year: Judged,
+    year: ReferenceLight,
 }
 
 impl YearLosses {
@@ -131,16 +131,16 @@ impl YearLosses {
         let scene = build.scene.scene;
         let mut all = suns.year(BuildSettings::default().steps.into());
         all.retain(is_lit);
-        let year = JudgedSky::sum(&in_axes(&all, North::of(scene.place.as_ref())), SkyModel::default())?;
+        let year = ReferenceSky::sum(&in_axes(&all, North::of(scene.place.as_ref())), SkyModel::default())?;
         // The open sky gives the sky view by which receivers are grouped.
-        let open = JudgedSky::open();
+        let open = ReferenceSky::open();
         let receivers = build.receivers.count();
         let sampled: Vec<Receiver> = sample(build.receivers, SAMPLE)?.into_iter().map(|s| s.1).collect();
-        let judge = Judge::new(build.scene, Effects::NONE);
+        let tracer = PathTracer::new(build.scene, Effects::NONE);
         let progress = Stage::begin(build.observer, "year", Some(sampled.len() as u64));
         let ask = |(number, of): (usize, &Receiver)| {
             let seed = mix(0x7965_6172, number as u64);
-            let found = judge.irradiance(of.position, of.normal, &[&year, &open], PATHS, seed);
+            let found = tracer.irradiance(of.position, of.normal, &[&year, &open], PATHS, seed);
             progress.advance(1);
             Asked { sky_view: found[1].mean[Component::SkyDirect as usize], year: found[0] }
         };
@@ -228,7 +228,7 @@ mod tests {
     #[test]
     fn bounds_hold_the_spread_of_the_sample() {
         let asked = |i: usize| {
-            let mut year = Judged::default();
+            let mut year = ReferenceLight::default();
             (year.by_effect[1], year.by_effect_error[1]) = (1.0 + i as f64, 0.2);
             Asked { sky_view: 0.1 * i as f64, year }
         };

@@ -6,7 +6,7 @@ mod request;
 pub mod tables;
 
 use crate::accuracy::conditions::ErrorConditions;
-use crate::accuracy::judged::rounded;
+use crate::accuracy::reference_sample::rounded;
 use crate::accuracy::{PilotRequest, SettingsChoice, choose};
 use crate::pipeline::{Build, Forecast, Plan};
 use crate::settings::{BuildSettings, Effect, EffectChoice};

@@ -32,7 +32,7 @@ pub struct Verdict {
     pub doubtful: bool,
 }
 
-/// Judges `count` points by `looks`, pairs of a point and a ray. With `inside` the points are on
+/// PathTracers `count` points by `looks`, pairs of a point and a ray. With `inside` the points are on
 /// the back of their triangles, so that front sides count as other sides.
 pub fn hidden(count: usize, looks: &[(usize, Ray)], inside: bool, mesh: &Mesh, tracer: &Tracer) -> Verdict {
     let rays: Vec<Ray> = looks.iter().map(|look| look.1).collect();

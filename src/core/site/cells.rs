@@ -364,7 +364,7 @@ mod tests {
     /// Grids nest: the coarse cell of a point's fine cell is the point's own coarse cell, for 1,000
     /// points and 8 levels.
     #[test]
-    fn grids_nest() {
+    fn grids_of_levels_nest() {
         let mut state = 1;
         for _ in 0..1000 {
             state = mix(state, 7);

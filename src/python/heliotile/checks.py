@@ -34,7 +34,7 @@ class WorstPair:
     condition: str
     off_w_m2: float
     """Irradiance of the archive minus that of the reference path tracer."""
-    judged_w_m2: float
+    reference_w_m2: float
     """Irradiance of the reference path tracer."""
     standard_error_w_m2: float
     """Standard error of the reference path tracer's result."""

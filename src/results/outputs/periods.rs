@@ -108,11 +108,11 @@ impl Periods {
 
 impl NamedValues for Every {
     const VALUES: &'static [(&'static str, &'static str, Self)] = &[
-        ("hour", "One row per interval of the weather file: means, W/m2", Every::Hour),
-        ("day", "Sums, kWh/m2, like month, year and total", Every::Day),
-        ("month", "", Every::Month),
-        ("year", "", Every::Year),
-        ("total", "One sum over all chosen rows of the file", Every::Total),
+        ("hour", "One row for each interval of the weather file: means", Every::Hour),
+        ("day", "One row for each day: sums", Every::Day),
+        ("month", "One row for each month: sums", Every::Month),
+        ("year", "One row for each year: sums", Every::Year),
+        ("total", "One row for all chosen time: sums", Every::Total),
     ];
 }
 

@@ -57,7 +57,7 @@ pub(super) fn is_hdr(bytes: &[u8]) -> bool {
 /// Reads a picture; levels are divided by its exposure.
 pub(super) fn read_hdr(path: &Path, bytes: &[u8]) -> Result<Pixels> {
     let refuse = |what: String| Error::input(path, None, what, "save the picture as Radiance HDR again, in RGBE");
-    let head = Head::of(bytes).ok_or_else(|| refuse("its header has no end".into()))?;
+    let head = Head::of(bytes).ok_or_else(|| refuse("its header does not end with an empty line".into()))?;
     if let Some(other) = head.values("FORMAT").find(|format| *format != FORMAT) {
         return Err(refuse(format!("its FORMAT is `{}`, not {FORMAT}", excerpt(other, 40))));
     }

@@ -7,7 +7,7 @@ use cpu_time::ProcessTime;
 use serde::{Serialize, Serializer};
 
 use heliotile_builder::accuracy::conditions::ErrorConditions;
-use heliotile_builder::accuracy::judged::JudgedSample;
+use heliotile_builder::accuracy::reference_sample::ReferenceSample;
 use heliotile_builder::accuracy::trial::{Bench, Trial};
 use heliotile_builder::pack::COMPRESSION;
 use heliotile_builder::settings::BuildSettings;
@@ -57,8 +57,8 @@ fn by_name<S: Serializer>(settings: &BuildSettings, serializer: S) -> std::resul
 }
 
 impl LadderStep {
-    fn of(name: String, trial: &Trial, judged: &JudgedSample, compress_s: f64, replay_s: f64) -> Self {
-        let found = judged.accuracy(&trial.light, |_| 0);
+    fn of(name: String, trial: &Trial, reference: &ReferenceSample, compress_s: f64, replay_s: f64) -> Self {
+        let found = reference.accuracy(&trial.light, |_| 0);
         LadderStep {
             name,
             settings: trial.settings,
@@ -93,7 +93,7 @@ pub struct LadderTable {
 }
 
 /// Target error, percent, for which the number of paths of the reference path tracer is chosen.
-const JUDGED_PERCENT: f64 = 0.5;
+const REFERENCE_PERCENT: f64 = 0.5;
 
 /// Returns the named qualities and some steps between them.
 fn rungs() -> Vec<(String, Rungs)> {
@@ -119,7 +119,7 @@ impl LadderTable {
         let rungs = rungs();
         let progress = Stage::begin(bench.observer, "ladder", Some(rungs.len() as u64 + 1));
         let settings = |rungs: Rungs| BuildSettings { left_out, ..rungs.settings() };
-        let judged = JudgedSample::of(bench, left_out, JUDGED_PERCENT)?;
+        let reference = ReferenceSample::of(bench, left_out, REFERENCE_PERCENT)?;
         progress.advance(1);
         let mut steps = Vec::with_capacity(rungs.len());
         for (name, rungs) in rungs {
@@ -127,14 +127,14 @@ impl LadderTable {
             progress.advance(1);
             let (compress_s, replay_s) = (compression_s(&trial)?, replay_s(bench, &trial, suns)?);
             std::fs::remove_file(&trial.archive).map_err(Error::io(&trial.archive, "remove"))?;
-            steps.push(LadderStep::of(name, &trial, &judged, compress_s, replay_s));
+            steps.push(LadderStep::of(name, &trial, &reference, compress_s, replay_s));
         }
         drop(progress);
         for i in 0..steps.len() {
             let here = (steps[i].seconds(), steps[i].error_percent);
             steps[i].frontier = !steps.iter().any(|other| other.seconds() < here.0 && other.error_percent < here.1);
         }
-        Ok(LadderTable { steps, receivers: bench.receivers.len(), mean_w_m2: judged.mean_w_m2() })
+        Ok(LadderTable { steps, receivers: bench.receivers.len(), mean_w_m2: reference.mean_w_m2() })
     }
 
     /// Returns the step of the frontier that lies farthest below the line from its first to its

@@ -151,7 +151,7 @@ mod tests {
 
     /// Lines come after 10 and 40 s, every 30 s at first; a day has at most 35.
     #[test]
-    fn intervals_grow() {
+    fn progress_lines_come_ever_more_seldom() {
         let (first, mut at, mut times) = (Duration::from_secs(10), Duration::ZERO, Vec::new());
         while at < Duration::from_secs(86_400) {
             at = next_after(at, first);

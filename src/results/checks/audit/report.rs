@@ -6,10 +6,10 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use heliotile_builder::accuracy::estimate::percent;
-use heliotile_builder::judge::comparison::{Deviation, Known, Pair, deviation, mean_w_m2, off};
-use heliotile_builder::judge::groups::by_sky_view;
-use heliotile_builder::judge::hours::{HoursFound, mix_of};
-use heliotile_builder::judge::{Audited, PARTS};
+use heliotile_builder::reference::comparison::{Deviation, Known, Pair, deviation, mean_w_m2, off};
+use heliotile_builder::reference::groups::by_sky_view;
+use heliotile_builder::reference::hours::{HoursFound, mix_of};
+use heliotile_builder::reference::{Audited, PARTS};
 use heliotile_core::archive::Archive;
 use heliotile_core::archive::accuracy::Accuracy;
 use heliotile_core::observer::Observer;
@@ -90,7 +90,7 @@ pub struct WorstPair {
     /// Result of the archive minus the reference value, W/m2.
     pub off_w_m2: f64,
     /// Reference value, W/m2.
-    pub judged_w_m2: f64,
+    pub reference_w_m2: f64,
     /// Standard error of the reference value, W/m2.
     pub standard_error_w_m2: f64,
 }
@@ -153,8 +153,8 @@ impl AuditReport {
                 receiver: audited.receivers[pair.receiver].0.id.clone(),
                 condition: conditions[pair.condition].label.clone(),
                 off_w_m2: off(&pair, part as usize),
-                judged_w_m2: pair.judged.mean[part as usize],
-                standard_error_w_m2: pair.judged.error[part as usize],
+                reference_w_m2: pair.reference.mean[part as usize],
+                standard_error_w_m2: pair.reference.error[part as usize],
             });
             let (bias_percent, rmse_percent) = (of_mean(bias_w_m2), of_mean(rmse_w_m2));
             ComponentErrors { component: part.name(), bias_w_m2, rmse_w_m2, bias_percent, rmse_percent, worst }
@@ -178,7 +178,7 @@ impl AuditReport {
             audited,
             conditions,
         };
-        report.judge(observer);
+        report.set_verdict(observer);
         report
     }
 
@@ -188,7 +188,7 @@ impl AuditReport {
     }
 
     /// Sets the verdict, and its sentence in the observer's words.
-    fn judge(&mut self, observer: &dyn Observer) {
+    fn set_verdict(&mut self, observer: &dyn Observer) {
         let refuted: Vec<&str> = self.hour_kinds.iter().filter(|of| of.is_refuted()).map(|of| of.kind).collect();
         let is_exceeded = |stated: f64| self.total().rmse_percent.low > STATED_WITHIN * stated;
         (self.verdict, self.sentence) = match self.stated_percent {

@@ -11,8 +11,8 @@ use crate::outputs::pictures::plot::{Axis, Plot, Series, Style};
 use crate::outputs::provenance::Provenance;
 use crate::outputs::tables::quoted;
 use heliotile_builder::accuracy::estimate::percent;
-use heliotile_builder::judge::PARTS;
-use heliotile_builder::judge::comparison::{Known, Pair, off};
+use heliotile_builder::reference::PARTS;
+use heliotile_builder::reference::comparison::{Known, Pair, off};
 use heliotile_core::error::Result;
 use heliotile_core::replay::components::Component;
 
@@ -110,7 +110,7 @@ impl AuditReport {
         let mut out = String::from("receiver,condition,sky_view");
         for part in Component::ALL {
             let name = part.name();
-            let _ = write!(out, ",{name}_w_m2,{name}_judged_w_m2,{name}_standard_error_w_m2");
+            let _ = write!(out, ",{name}_w_m2,{name}_reference_w_m2,{name}_standard_error_w_m2");
         }
         out.push('\n');
         for pair in &self.audited.pairs {
@@ -118,8 +118,8 @@ impl AuditReport {
             let label = &self.conditions[pair.condition].label;
             let _ = write!(out, "{},{},{sky_view:.4}", quoted(&receiver.id), quoted(label));
             for part in 0..PARTS {
-                let (result, judged) = (pair.result[part], pair.judged);
-                let _ = write!(out, ",{result:.4},{:.4},{:.4}", judged.mean[part], judged.error[part]);
+                let (result, reference) = (pair.result[part], pair.reference);
+                let _ = write!(out, ",{result:.4},{:.4},{:.4}", reference.mean[part], reference.error[part]);
             }
             out.push('\n');
         }
@@ -127,7 +127,7 @@ impl AuditReport {
     }
 
     fn totals_picture(&self) -> String {
-        let at = |pair: &Pair| (pair.judged.mean[PARTS - 1], off(pair, PARTS - 1));
+        let at = |pair: &Pair| (pair.reference.mean[PARTS - 1], off(pair, PARTS - 1));
         let most = self.audited.pairs.iter().map(|pair| at(pair).0).fold(1.0, f64::max);
         let plot = Plot {
             title: "How far the archive is off".into(),
@@ -162,9 +162,9 @@ impl AuditReport {
 
 /// Returns the largest difference of a component in words.
 fn worst(pair: &WorstPair) -> String {
-    let WorstPair { receiver, condition, off_w_m2, judged_w_m2, standard_error_w_m2 } = pair;
+    let WorstPair { receiver, condition, off_w_m2, reference_w_m2, standard_error_w_m2 } = pair;
     match *off_w_m2 == 0.0 {
         true => "-".into(),
-        false => format!("{off_w_m2:+.1} +- {standard_error_w_m2:.1}, {judged_w_m2:.0}, {receiver}, {condition}"),
+        false => format!("{off_w_m2:+.1} +- {standard_error_w_m2:.1}, {reference_w_m2:.0}, {receiver}, {condition}"),
     }
 }

@@ -29,7 +29,7 @@ const COARSE_STEPS: [usize; 2] = [24, 48];
 const AT_ONCE: usize = 64;
 
 /// Sky and suns of one condition, or of a sum of conditions.
-pub struct JudgedSky {
+pub struct ReferenceSky {
     /// Radiance in the middle of each cell of the sky, W/m2/sr.
     radiances: Vec<f32>,
     /// Irradiance normal to the sun, W/m2.
@@ -38,13 +38,13 @@ pub struct JudgedSky {
     suns: Vec<(f64, Frame)>,
 }
 
-impl JudgedSky {
+impl ReferenceSky {
     /// Creates the sky of a condition in the axes of the site. Fails for a sky model with a band at
     /// the horizon, which has no radiance.
     pub fn new(condition: &Condition, model: SkyModel) -> Result<Self> {
         check(model)?;
         let radiances = radiances(condition, model, SIDE, STEPS).map(|radiance| radiance as f32).collect();
-        let mut sky = JudgedSky { radiances, dni_w_m2: condition.dni_w_m2, suns: Vec::new() };
+        let mut sky = ReferenceSky { radiances, dni_w_m2: condition.dni_w_m2, suns: Vec::new() };
         sky.add_suns(condition, 0.0, 1.0);
         Ok(sky)
     }
@@ -69,7 +69,8 @@ impl JudgedSky {
         parts.iter().for_each(|part| coarse.iter_mut().zip(part).for_each(|(sum, part)| *sum += part));
         let scale = SIDE / COARSE_SIDE;
         let of_cell = |cell: usize| coarse[cell / SIDE / scale * COARSE_SIDE + cell % SIDE / scale] as f32;
-        let mut sum = JudgedSky { radiances: (0..SIDE * SIDE).map(of_cell).collect(), dni_w_m2: 0.0, suns: Vec::new() };
+        let mut sum =
+            ReferenceSky { radiances: (0..SIDE * SIDE).map(of_cell).collect(), dni_w_m2: 0.0, suns: Vec::new() };
         for condition in conditions.iter().filter(|condition| !condition.suns.is_empty()) {
             let part = weight(condition) * condition.dni_w_m2;
             sum.add_suns(condition, sum.dni_w_m2, part);
@@ -117,13 +118,13 @@ impl JudgedSky {
     /// cosine-weighted share of its hemisphere that is sky.
     pub fn open() -> Self {
         let level = std::f64::consts::FRAC_1_PI as f32;
-        JudgedSky { radiances: vec![level; SIDE * SIDE], dni_w_m2: 0.0, suns: Vec::new() }
+        ReferenceSky { radiances: vec![level; SIDE * SIDE], dni_w_m2: 0.0, suns: Vec::new() }
     }
 
     /// Returns the mean of skies. Each sun counts for its share of the time.
-    pub fn mean(skies: &[JudgedSky]) -> JudgedSky {
+    pub fn mean(skies: &[ReferenceSky]) -> ReferenceSky {
         let share = 1.0 / skies.len().max(1) as f64;
-        let mut mean = JudgedSky { radiances: vec![0.0; SIDE * SIDE], dni_w_m2: 0.0, suns: Vec::new() };
+        let mut mean = ReferenceSky { radiances: vec![0.0; SIDE * SIDE], dni_w_m2: 0.0, suns: Vec::new() };
         let mut sums = vec![0.0_f64; SIDE * SIDE];
         for sky in skies {
             sums.iter_mut().zip(&sky.radiances).for_each(|(sum, radiance)| *sum += share * f64::from(*radiance));

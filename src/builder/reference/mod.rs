@@ -20,10 +20,10 @@ mod sky;
 mod sun;
 mod walk;
 
-pub use audit::{AuditInputs, Audited, audit, judge_pairs, spread};
-pub use estimate::{BATCHES, Judged, PARTS};
-pub use sky::JudgedSky;
-pub use walk::Judge;
+pub use audit::{AuditInputs, Audited, audit, reference_pairs, spread};
+pub use estimate::{BATCHES, PARTS, ReferenceLight};
+pub use sky::ReferenceSky;
+pub use walk::PathTracer;
 
 #[cfg(test)]
 mod tests;

@@ -5,8 +5,8 @@ use glam::DVec3;
 
 use super::carried::Carried;
 use super::random::Random;
-use super::sky::JudgedSky;
-use super::walk::{Judge, Place, Sums, ray};
+use super::sky::ReferenceSky;
+use super::walk::{PathTracer, Place, Sums, ray};
 use crate::trace::Ray;
 use crate::trace::kernel::rays::Hit;
 use heliotile_core::hemisphere::mix;
@@ -48,11 +48,11 @@ impl SunLook {
         place: Place,
         batch: usize,
         carried: Carried,
-        skies: &[&JudgedSky],
+        skies: &[&ReferenceSky],
         which: [f64; 3],
         random: &mut Random,
     ) -> Vec<SunLook> {
-        let look = |(sky, of): (usize, &&JudgedSky)| {
+        let look = |(sky, of): (usize, &&ReferenceSky)| {
             let sun = of.sun(which, random)?;
             let seed = (random.next() * 2.0_f64.powi(53)) as u64;
             Some(SunLook { place, sun, carried: carried.times(of.dni_w_m2), sky, batch, seed })
@@ -65,7 +65,7 @@ impl SunLook {
     }
 }
 
-impl Judge<'_> {
+impl PathTracer<'_> {
     /// Adds the light of the sun, direct and by mirrors.
     pub(super) fn add_suns(&self, looks: &[SunLook], sums: &mut Sums) {
         let straight: Vec<(&SunLook, f64)> =

@@ -5,9 +5,9 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use super::carried::Carried;
-use super::estimate::{BATCHES, Batch, Judged};
+use super::estimate::{BATCHES, Batch, ReferenceLight};
 use super::random::{EVEN, Random, even};
-use super::sky::{JudgedSky, SkyPlace, cosine};
+use super::sky::{ReferenceSky, SkyPlace, cosine};
 use super::sun::SunLook;
 use crate::pipeline::PreparedScene;
 use crate::settings::{Effect, Effects};
@@ -37,7 +37,7 @@ const PATHS_OF_POINT: usize = 16;
 const LEAST_POINTS: usize = 256;
 
 /// Reference path tracer of a scene.
-pub struct Judge<'a> {
+pub struct PathTracer<'a> {
     pub(super) mesh: &'a Mesh,
     pub(super) tracer: &'a Tracer,
     canopies: Option<&'a Canopies<'a>>,
@@ -72,7 +72,7 @@ struct Walker {
 /// Sums by sky and batch, W/m2.
 pub(super) type Sums = Vec<[Batch; BATCHES]>;
 
-impl<'a> Judge<'a> {
+impl<'a> PathTracer<'a> {
     /// Creates the path tracer of a scene. Effects in `left_out` are left out as a build leaves
     /// them out.
     pub fn new(prepared: &'a PreparedScene<'a>, left_out: Effects) -> Self {
@@ -80,7 +80,7 @@ impl<'a> Judge<'a> {
             true => Reflector { diffuse: 0.0, ..Reflector::of(material) },
             false => Reflector::of(material),
         };
-        Judge {
+        PathTracer {
             mesh: &prepared.scene.mesh,
             tracer: &prepared.tracer,
             canopies: prepared.canopies.as_ref().filter(|_| !left_out.contains(Effect::Canopies)),
@@ -97,10 +97,10 @@ impl<'a> Judge<'a> {
         &self,
         position: DVec3,
         normal: DVec3,
-        skies: &[&JudgedSky],
+        skies: &[&ReferenceSky],
         paths: usize,
         seed: u64,
-    ) -> Vec<Judged> {
+    ) -> Vec<ReferenceLight> {
         let each = paths.div_ceil(BATCHES).max(1);
         let mut sums: Sums = vec![[Batch::default(); BATCHES]; skies.len()];
         let here = self.receiver_place(position, normal);
@@ -138,13 +138,20 @@ impl<'a> Judge<'a> {
             self.add_suns(&looks, &mut sums);
             walkers = next;
         }
-        judged(&sums, each)
+        lights(&sums, each)
     }
 
     /// Returns the irradiance of a receiver (input coordinates, unit normal) by the sun of each
     /// sky, direct and by mirrors; other components are 0. The number of points of the disc is a
     /// sixteenth of `paths`, but at least 256, and they are the same for all skies.
-    pub fn sun(&self, position: DVec3, normal: DVec3, skies: &[&JudgedSky], paths: usize, seed: u64) -> Vec<Judged> {
+    pub fn sun(
+        &self,
+        position: DVec3,
+        normal: DVec3,
+        skies: &[&ReferenceSky],
+        paths: usize,
+        seed: u64,
+    ) -> Vec<ReferenceLight> {
         let each = paths.div_ceil(PATHS_OF_POINT).max(LEAST_POINTS).div_ceil(BATCHES);
         let mut sums: Sums = vec![[Batch::default(); BATCHES]; skies.len()];
         let here = self.receiver_place(position, normal);
@@ -155,7 +162,7 @@ impl<'a> Judge<'a> {
             }
             self.add_suns(&looks, &mut sums);
         }
-        judged(&sums, each)
+        lights(&sums, each)
     }
 
     fn receiver_place(&self, position: DVec3, normal: DVec3) -> Place {
@@ -164,7 +171,7 @@ impl<'a> Judge<'a> {
 
     /// Adds the directly seen sky. Its rays cost little, and go through one cell each of the square
     /// that cosine-weighted directions come from. Sums are scaled to `each` paths.
-    fn add_open_sky(&self, here: Place, skies: &[&JudgedSky], each: usize, seed: u64, sums: &mut Sums) {
+    fn add_open_sky(&self, here: Place, skies: &[&ReferenceSky], each: usize, seed: u64, sums: &mut Sums) {
         let frame = Frame::of(here.normal);
         let side = (SKY_RAYS * each).isqrt().max(1);
         let mut random = Random::new(seed);
@@ -194,7 +201,7 @@ impl<'a> Judge<'a> {
     }
 
     /// Handles a path at a surface: queries the sun, and goes on unless the path ends there.
-    fn meet(&self, mut walker: Walker, hit: Hit, skies: &[&JudgedSky], looks: &mut Vec<SunLook>) -> Option<Walker> {
+    fn meet(&self, mut walker: Walker, hit: Hit, skies: &[&ReferenceSky], looks: &mut Vec<SunLook>) -> Option<Walker> {
         let (place, orientation) = self.place(walker.from, walker.direction, hit);
         let material = self.mesh.triangle_material[hit.triangle as usize];
         let reflector = &self.reflectors[usize::from(material)];
@@ -233,7 +240,7 @@ impl<'a> Judge<'a> {
         &self,
         walker: &mut Walker,
         passage: &Passage,
-        skies: &[&JudgedSky],
+        skies: &[&ReferenceSky],
         looks: &mut Vec<SunLook>,
     ) -> Option<Walker> {
         let leaves = self.canopies?.leaves(passage);
@@ -322,12 +329,12 @@ fn starts(seed: u64, batch: usize, paths: usize) -> impl Iterator<Item = (Random
 }
 
 /// Returns the estimates by sky from sums over `each` paths of each batch.
-fn judged(sums: &Sums, each: usize) -> Vec<Judged> {
-    sums.iter().map(|batches| Judged::of(&batches.map(|sums| sums.map(|sum| sum / each as f64)))).collect()
+fn lights(sums: &Sums, each: usize) -> Vec<ReferenceLight> {
+    sums.iter().map(|batches| ReferenceLight::of(&batches.map(|sums| sums.map(|sum| sum / each as f64)))).collect()
 }
 
 /// Adds the sky at the end of a path. Directly seen sky has rays of its own.
-fn see(walker: &Walker, skies: &[&JudgedSky], sums: &mut Sums) {
+fn see(walker: &Walker, skies: &[&ReferenceSky], sums: &mut Sums) {
     let Some(place) = SkyPlace::of(walker.direction).filter(|_| walker.met > 0) else { return };
     for (sky, sums) in skies.iter().zip(sums) {
         walker.carried.add(false, PI * sky.radiance(place), &mut sums[walker.batch]);

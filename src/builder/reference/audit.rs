@@ -7,11 +7,11 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 
 use super::comparison::{Pair, SunErrors};
-use super::estimate::{Judged, PARTS};
+use super::estimate::{PARTS, ReferenceLight};
 use super::hours::HourSample;
 use super::random::Random;
-use super::sky::JudgedSky;
-use super::walk::Judge;
+use super::sky::ReferenceSky;
+use super::walk::PathTracer;
 use crate::pipeline::PreparedScene;
 use crate::settings::Effects;
 use heliotile_core::archive::{Archive, format};
@@ -88,8 +88,8 @@ pub fn audit(request: &AuditInputs) -> Result<Audited> {
         .flat_map(|entry| (0..entry.items as usize).map(move |row| (entry.tile.0, row)))
         .collect();
     let turned = in_axes(request.conditions, site.north());
-    let skies: Vec<JudgedSky> =
-        turned.iter().map(|condition| JudgedSky::new(condition, request.sky)).collect::<Result<_>>()?;
+    let skies: Vec<ReferenceSky> =
+        turned.iter().map(|condition| ReferenceSky::new(condition, request.sky)).collect::<Result<_>>()?;
     let settings = ReplaySettings {
         sky: request.sky,
         patches: request.archive.manifest().settings.patches as usize,
@@ -98,7 +98,7 @@ pub fn audit(request: &AuditInputs) -> Result<Audited> {
         ..ReplaySettings::default()
     };
     let replay = Replay::new(&site, request.conditions, settings)?;
-    let judge = Judge::new(request.scene, Effects::of_names(&request.archive.manifest().settings.left_out));
+    let tracer = PathTracer::new(request.scene, Effects::of_names(&request.archive.manifest().settings.left_out));
     let progress = Stage::begin(request.observer, "audit", Some(request.samples.min(all.len()) as u64));
     let mut audited =
         Audited { receivers: Vec::new(), pairs: Vec::new(), suns: Vec::new(), hours: HourSample::default() };
@@ -132,7 +132,7 @@ pub fn audit(request: &AuditInputs) -> Result<Audited> {
                 results.push((0..skies.len()).map(of).collect());
                 for condition in spread(skies.len(), request.hours, mix(request.seed, receiver as u64)) {
                     let result = results[receiver - first][condition].map(f64::from);
-                    audited.pairs.push(Pair { receiver, condition, result, judged: Default::default() });
+                    audited.pairs.push(Pair { receiver, condition, result, reference: Default::default() });
                 }
             }
         }
@@ -143,12 +143,12 @@ pub fn audit(request: &AuditInputs) -> Result<Audited> {
             let (of, seed) = (&audited.receivers[receiver].0, mix(mix(request.seed, 0x73_756e), receiver as u64));
             let under = spread(skies.len(), sun_conditions, seed);
             // Some conditions at a time, because chains of mirrors take memory.
-            let judged = under.chunks(SUN_CONDITIONS).flat_map(|some| {
-                let skies: Vec<&JudgedSky> = some.iter().map(|&condition| &skies[condition]).collect();
-                judge.sun(of.position, of.normal, &skies, request.paths, seed)
+            let reference = under.chunks(SUN_CONDITIONS).flat_map(|some| {
+                let skies: Vec<&ReferenceSky> = some.iter().map(|&condition| &skies[condition]).collect();
+                tracer.sun(of.position, of.normal, &skies, request.paths, seed)
             });
             let results = under.iter().map(|&condition| results[receiver - first][condition].map(f64::from));
-            SunErrors::of(receiver, results.zip(judged))
+            SunErrors::of(receiver, results.zip(reference))
         };
         let suns: Vec<SunErrors> = (first..audited.receivers.len()).into_par_iter().map(sun).collect();
         audited.suns.extend(suns);
@@ -157,12 +157,12 @@ pub fn audit(request: &AuditInputs) -> Result<Audited> {
             [(&mut audited.pairs, 0x0061_7564_6974, Some(&progress)), (hours, 0x686f_7572, None)]
         {
             let start = pairs.partition_point(|pair| pair.receiver < first);
-            let of_receiver = |number: usize, under: &[&JudgedSky]| {
+            let of_receiver = |number: usize, under: &[&ReferenceSky]| {
                 let (receiver, seed) = (&receivers[number].0, mix(mix(request.seed, name), number as u64));
                 progress.inspect(|progress| progress.advance(1));
-                judge.irradiance(receiver.position, receiver.normal, under, request.paths, seed)
+                tracer.irradiance(receiver.position, receiver.normal, under, request.paths, seed)
             };
-            judge_pairs(&mut pairs[start..], &skies, of_receiver);
+            reference_pairs(&mut pairs[start..], &skies, of_receiver);
         }
     }
     Ok(audited)
@@ -170,17 +170,17 @@ pub fn audit(request: &AuditInputs) -> Result<Audited> {
 
 /// Evaluates pairs, which are in the order of their receivers, all conditions of a receiver at
 /// once.
-pub fn judge_pairs(
+pub fn reference_pairs(
     pairs: &mut [Pair],
-    skies: &[JudgedSky],
-    irradiance: impl Fn(usize, &[&JudgedSky]) -> Vec<Judged> + Sync,
+    skies: &[ReferenceSky],
+    irradiance: impl Fn(usize, &[&ReferenceSky]) -> Vec<ReferenceLight> + Sync,
 ) {
     let mut of_receivers: Vec<&mut [Pair]> = pairs.chunk_by_mut(|a, b| a.receiver == b.receiver).collect();
     of_receivers.par_iter_mut().for_each(|pairs| {
         let Some(number) = pairs.first().map(|pair| pair.receiver) else { return };
-        let under: Vec<&JudgedSky> = pairs.iter().map(|pair| &skies[pair.condition]).collect();
+        let under: Vec<&ReferenceSky> = pairs.iter().map(|pair| &skies[pair.condition]).collect();
         let found = irradiance(number, &under);
-        pairs.iter_mut().zip(found).for_each(|(pair, judged)| pair.judged = judged);
+        pairs.iter_mut().zip(found).for_each(|(pair, reference)| pair.reference = reference);
     });
 }
 

@@ -5,10 +5,10 @@ use rayon::prelude::*;
 
 use crate::accuracy::estimate::percent;
 use crate::accuracy::trial::{Bench, ErrorSource, Irradiances};
-use crate::judge::comparison::{Pair, SunErrors, deviation, mean_w_m2, rmse_known};
-use crate::judge::groups::by_sky_view;
-use crate::judge::hours::{HourKind, HourSample, HoursFound};
-use crate::judge::{Judge, Judged, JudgedSky, PARTS, judge_pairs, spread};
+use crate::reference::comparison::{Pair, SunErrors, deviation, mean_w_m2, rmse_known};
+use crate::reference::groups::by_sky_view;
+use crate::reference::hours::{HourKind, HourSample, HoursFound};
+use crate::reference::{PARTS, PathTracer, ReferenceLight, ReferenceSky, reference_pairs, spread};
 use crate::settings::Effects;
 use heliotile_core::archive::accuracy::{Accuracy, GroupError, HoursError, TileError};
 use heliotile_core::error::Result;
@@ -47,11 +47,11 @@ pub fn with_total(row: &[f32; 8]) -> [f64; PARTS] {
 }
 
 /// Receivers of a sample with irradiances from the reference path tracer.
-pub struct JudgedSample<'a> {
-    judge: Judge<'a>,
+pub struct ReferenceSample<'a> {
+    tracer: PathTracer<'a>,
     receivers: &'a [Receiver],
     /// All conditions.
-    skies: Vec<JudgedSky>,
+    skies: Vec<ReferenceSky>,
     /// Number of paths of a receiver.
     paths: usize,
     /// Hours when the sun lights what receivers see, without results.
@@ -60,9 +60,9 @@ pub struct JudgedSample<'a> {
     pairs: Vec<Pair>,
     /// `[receiver][condition]`, for all conditions: the sun, direct and by way of mirrors. Single
     /// hours at a shadow's edge make up most of its error.
-    suns: Vec<Vec<Judged>>,
+    suns: Vec<Vec<ReferenceLight>>,
     /// `[receiver]`: the mean of all conditions.
-    means: Vec<Judged>,
+    means: Vec<ReferenceLight>,
     /// `[receiver]`: its sky view.
     views: Vec<f64>,
 }
@@ -78,40 +78,41 @@ pub struct SourcesFound {
     pub lit_percent: f64,
 }
 
-impl<'a> JudgedSample<'a> {
+impl<'a> ReferenceSample<'a> {
     /// Evaluates the receivers of a bench with the reference path tracer, for a target error in
     /// percent.
     pub fn of(bench: &Bench<'a>, left_out: Effects, target_percent: f64) -> Result<Self> {
         let scene = bench.scene.scene;
         let conditions = in_axes(bench.conditions, North::of(scene.place.as_ref()));
-        let skies: Vec<JudgedSky> =
-            conditions.par_iter().map(|c| JudgedSky::new(c, SkyModel::default())).collect::<Result<_>>()?;
-        let (mean, open) = (JudgedSky::mean(&skies), JudgedSky::open());
-        let judge = Judge::new(bench.scene, left_out);
+        let skies: Vec<ReferenceSky> =
+            conditions.par_iter().map(|c| ReferenceSky::new(c, SkyModel::default())).collect::<Result<_>>()?;
+        let (mean, open) = (ReferenceSky::mean(&skies), ReferenceSky::open());
+        let tracer = PathTracer::new(bench.scene, left_out);
         let paths = (PATHS / (target_percent * target_percent).max(1e-9)).clamp(LEAST_PATHS, MOST_PATHS) as usize;
         let each = (PAIRS / bench.receivers.len().max(1)).clamp(OF_RECEIVER.0, OF_RECEIVER.1);
-        let judged = |(receiver, of): (usize, &Receiver)| {
+        let reference = |(receiver, of): (usize, &Receiver)| {
             // Each receiver gets conditions of its own, so that many take part.
             let chosen = spread(skies.len(), each, mix(SEED, receiver as u64));
-            let mut under: Vec<&JudgedSky> = chosen.iter().map(|&condition| &skies[condition]).collect();
+            let mut under: Vec<&ReferenceSky> = chosen.iter().map(|&condition| &skies[condition]).collect();
             under.extend([&mean, &open]);
             let seed = mix(0x0070_696c_6f74, receiver as u64);
-            let mut found = judge.irradiance(of.position, of.normal, &under, paths, seed);
+            let mut found = tracer.irradiance(of.position, of.normal, &under, paths, seed);
             let view = found.pop().unwrap_or_default().mean[Component::SkyDirect as usize];
             let mean = found.pop().unwrap_or_default();
-            let pair = |(condition, judged)| Pair { receiver, condition, result: [0.0; PARTS], judged };
+            let pair = |(condition, reference)| Pair { receiver, condition, result: [0.0; PARTS], reference };
             (chosen.into_iter().zip(found).map(pair).collect::<Vec<Pair>>(), (mean, view))
         };
-        let all: Vec<(Vec<Pair>, (Judged, f64))> = bench.receivers.par_iter().enumerate().map(judged).collect();
-        let (pairs, of_receivers): (Vec<Vec<Pair>>, Vec<(Judged, f64)>) = all.into_iter().unzip();
+        let all: Vec<(Vec<Pair>, (ReferenceLight, f64))> =
+            bench.receivers.par_iter().enumerate().map(reference).collect();
+        let (pairs, of_receivers): (Vec<Vec<Pair>>, Vec<(ReferenceLight, f64)>) = all.into_iter().unzip();
         let (means, views) = of_receivers.into_iter().unzip();
-        let all: Vec<&JudgedSky> = skies.iter().collect();
+        let all: Vec<&ReferenceSky> = skies.iter().collect();
         let sun = |(receiver, of): (usize, &Receiver)| {
-            judge.sun(of.position, of.normal, &all, paths, mix(SUN_SEED, receiver as u64))
+            tracer.sun(of.position, of.normal, &all, paths, mix(SUN_SEED, receiver as u64))
         };
         let suns = bench.receivers.par_iter().enumerate().map(sun).collect();
         let (receivers, hours, pairs) = (bench.receivers, HourSample::default(), pairs.concat());
-        Ok(JudgedSample { judge, receivers, skies, paths, hours, pairs, suns, means, views })
+        Ok(ReferenceSample { tracer, receivers, skies, paths, hours, pairs, suns, means, views })
     }
 
     /// Adds hours when the sun lights what receivers see; irradiances of a build tell which hours
@@ -121,9 +122,9 @@ impl<'a> JudgedSample<'a> {
         let mut hours = HourSample::default();
         let result = |receiver, condition| with_total(self.row(light, receiver, condition));
         hours.choose(0..self.receivers.len(), self.skies.len(), result, SEED);
-        judge_pairs(&mut hours.pairs, &self.skies, |number, under| {
+        reference_pairs(&mut hours.pairs, &self.skies, |number, under| {
             let of = &self.receivers[number];
-            self.judge.irradiance(of.position, of.normal, under, self.paths, mix(SEED, number as u64))
+            self.tracer.irradiance(of.position, of.normal, under, self.paths, mix(SEED, number as u64))
         });
         self.hours = hours;
         self
@@ -149,10 +150,10 @@ impl<'a> JudgedSample<'a> {
         let names = Component::ALL.into_iter().map(|component| component.name().to_string());
         let components = found.iter().take(TOTAL).map(|found| in_percent(found.rmse_w_m2.value));
         // Error of each receiver's mean over all conditions.
-        let yearly = |(receiver, judged): (usize, &Judged)| {
+        let yearly = |(receiver, reference): (usize, &ReferenceLight)| {
             let all = (0..self.skies.len()).map(|condition| with_total(row(receiver, condition))[TOTAL]);
-            let difference = all.sum::<f64>() / self.skies.len().max(1) as f64 - judged.mean[TOTAL];
-            difference * difference - judged.error[TOTAL].powi(2)
+            let difference = all.sum::<f64>() / self.skies.len().max(1) as f64 - reference.mean[TOTAL];
+            difference * difference - reference.error[TOTAL].powi(2)
         };
         let squares: f64 = self.means.iter().enumerate().map(yearly).sum();
         // Subtracting the noise may hide the error. It is at least the bias, which has less noise.
@@ -178,9 +179,9 @@ impl<'a> JudgedSample<'a> {
         let suns = self.sun_errors(light);
         let rmse = |source: ErrorSource| {
             let difference = |pair: &Pair| {
-                let judged = pair.judged.by_reflections[source as usize];
+                let reference = pair.reference.by_reflections[source as usize];
                 let result = source.of(self.row(light, pair.receiver, pair.condition));
-                (result - judged, pair.judged.by_reflections_error[source as usize])
+                (result - reference, pair.reference.by_reflections_error[source as usize])
             };
             let suns = if source == ErrorSource::Sky { &suns[..] } else { &[] };
             percent(rmse_known(&pairs, suns, difference).value, mean)
@@ -197,10 +198,11 @@ impl<'a> JudgedSample<'a> {
     }
 
     fn sun_errors(&self, light: &Irradiances) -> Vec<SunErrors> {
-        let of_receiver = |(receiver, judged): (usize, &Vec<Judged>)| {
-            let result =
-                |(condition, judged): (usize, &Judged)| (with_total(self.row(light, receiver, condition)), *judged);
-            SunErrors::of(receiver, judged.iter().enumerate().map(result))
+        let of_receiver = |(receiver, reference): (usize, &Vec<ReferenceLight>)| {
+            let result = |(condition, reference): (usize, &ReferenceLight)| {
+                (with_total(self.row(light, receiver, condition)), *reference)
+            };
+            SunErrors::of(receiver, reference.iter().enumerate().map(result))
         };
         self.suns.iter().enumerate().map(of_receiver).collect()
     }

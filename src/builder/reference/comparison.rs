@@ -10,7 +10,7 @@
 
 use serde::Serialize;
 
-use super::estimate::{Judged, PARTS};
+use super::estimate::{PARTS, ReferenceLight};
 use super::random::Random;
 use heliotile_core::replay::components::Component;
 
@@ -33,7 +33,7 @@ pub struct Pair {
     /// Results, W/m2: the six components and the total.
     pub result: [f64; PARTS],
     /// Irradiance from the reference path tracer.
-    pub judged: Judged,
+    pub reference: ReferenceLight,
 }
 
 /// Estimate with an interval of 95 %.
@@ -107,29 +107,29 @@ pub struct SunErrors {
 impl SunErrors {
     /// Creates the errors from a receiver's number (as [`Pair::receiver`]), its results and the
     /// irradiance of the sun from the path tracer.
-    pub fn of(receiver: usize, hours: impl Iterator<Item = ([f64; PARTS], Judged)>) -> Self {
+    pub fn of(receiver: usize, hours: impl Iterator<Item = ([f64; PARTS], ReferenceLight)>) -> Self {
         let mut sums = [Sums::default(); OF_SUN.len()];
-        for (result, judged) in hours {
-            let here = sun_sums(&result, &judged);
+        for (result, reference) in hours {
+            let here = sun_sums(&result, &reference);
             sums = std::array::from_fn(|i| sums[i].plus(here[i]));
         }
         SunErrors { receiver, sums }
     }
 }
 
-fn sun_sums(result: &[f64; PARTS], judged: &Judged) -> [Sums; OF_SUN.len()] {
+fn sun_sums(result: &[f64; PARTS], reference: &ReferenceLight) -> [Sums; OF_SUN.len()] {
     OF_SUN
         .map(|component| component as usize)
-        .map(|part| Sums::of(result[part] - judged.mean[part], judged.error[part]))
+        .map(|part| Sums::of(result[part] - reference.mean[part], reference.error[part]))
 }
 
 /// Returns the deviation of one part of pairs, which are in the order of their receivers. `suns`
 /// are those of all receivers in the same order, or empty; then only pairs tell of the sun.
 pub fn deviation(pairs: &[Pair], suns: &[SunErrors], part: usize) -> Deviation {
     let held = OF_SUN.map(|component| [component, Component::Total].map(|of| of as usize).contains(&part));
-    let difference = |pair: &Pair| (off(pair, part), pair.judged.error[part]);
+    let difference = |pair: &Pair| (off(pair, part), pair.reference.error[part]);
     let [bias_w_m2, rmse_w_m2] = bias_and_rmse(pairs, suns, held, difference, part as u64);
-    let beyond_noise = |pair: &Pair| off(pair, part).abs() - 2.0 * pair.judged.error[part];
+    let beyond_noise = |pair: &Pair| off(pair, part).abs() - 2.0 * pair.reference.error[part];
     let worst = pairs.iter().max_by(|a, b| beyond_noise(a).total_cmp(&beyond_noise(b))).copied();
     Deviation { bias_w_m2, rmse_w_m2, worst }
 }
@@ -162,7 +162,7 @@ fn bias_and_rmse(
             let (difference, error) = difference(pair);
             rest = rest.plus(Sums::of(difference, error));
             if sun.is_some() {
-                let sun = sun_of(sun_sums(&pair.result, &pair.judged));
+                let sun = sun_of(sun_sums(&pair.result, &pair.reference));
                 rest.difference -= sun.difference;
                 rest.square -= sun.square;
             }
@@ -193,12 +193,12 @@ fn bias_and_rmse(
 
 /// Returns the difference between a result and the path tracer.
 pub fn off(pair: &Pair, part: usize) -> f64 {
-    pair.result[part] - pair.judged.mean[part]
+    pair.result[part] - pair.reference.mean[part]
 }
 
 /// Returns the mean total from the path tracer, W/m2.
 pub fn mean_w_m2(pairs: &[Pair]) -> f64 {
-    pairs.iter().map(|pair| pair.judged.mean[PARTS - 1]).sum::<f64>() / pairs.len().max(1) as f64
+    pairs.iter().map(|pair| pair.reference.mean[PARTS - 1]).sum::<f64>() / pairs.len().max(1) as f64
 }
 
 #[cfg(test)]
@@ -216,9 +216,9 @@ mod tests {
         let mut pairs = Vec::new();
         for receiver in 0..200 {
             for condition in 0..4 {
-                let mut judged = Judged { error: [3.0; PARTS], ..Judged::default() };
-                judged.mean = [300.0 + 3.0 * normal(); PARTS];
-                pairs.push(Pair { receiver, condition, result: [301.0 + 2.0 * normal(); PARTS], judged });
+                let mut reference = ReferenceLight { error: [3.0; PARTS], ..ReferenceLight::default() };
+                reference.mean = [300.0 + 3.0 * normal(); PARTS];
+                pairs.push(Pair { receiver, condition, result: [301.0 + 2.0 * normal(); PARTS], reference });
             }
         }
         let found = deviation(&pairs, &[], 6);
@@ -243,12 +243,12 @@ mod tests {
         let hour = |receiver: usize, condition: usize, noise: f64| {
             let sun = if condition == RARE { 96.0 } else { 0.0 };
             let noise = if receiver.is_multiple_of(2) { noise } else { -noise };
-            let (mut result, mut judged) = ([0.0; PARTS], Judged::default());
+            let (mut result, mut reference) = ([0.0; PARTS], ReferenceLight::default());
             (result[direct], result[total]) = (500.0 + sun, 702.0 + sun);
             for (part, mean) in [(direct, 500.0), (total, 700.0)] {
-                (judged.mean[part], judged.error[part]) = (mean + noise, noise.abs());
+                (reference.mean[part], reference.error[part]) = (mean + noise, noise.abs());
             }
-            (result, judged)
+            (result, reference)
         };
         let suns: Vec<SunErrors> =
             (0..32).map(|receiver| SunErrors::of(receiver, (0..256).map(|i| hour(receiver, i, 5.0)))).collect();
@@ -256,8 +256,8 @@ mod tests {
         for first in 0..16 {
             let pair = |i: usize| {
                 let (receiver, condition) = (i / 16, first + i % 16 * 16);
-                let (result, judged) = hour(receiver, condition, 3.0);
-                Pair { receiver, condition, result, judged }
+                let (result, reference) = hour(receiver, condition, 3.0);
+                Pair { receiver, condition, result, reference }
             };
             let pairs: Vec<Pair> = (0..32 * 16).map(pair).collect();
             let (alone, with_suns) = (deviation(&pairs, &[], total), deviation(&pairs, &suns, total));

@@ -21,38 +21,40 @@ pub(super) fn lane(effect: Effect) -> usize {
 
 /// Irradiance of a receiver under one condition, W/m2; under a year, kWh/m2.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Judged {
+pub struct ReferenceLight {
     /// Means of the six components and the total.
     pub mean: [f64; PARTS],
     /// Standard errors of the components and the total.
     pub error: [f64; PARTS],
     /// Loss of the total without each effect of [`Effect::ALL`]. For canopies it is the gain.
     pub by_effect: [f64; EFFECTS],
-    /// Standard errors of [`Judged::by_effect`].
+    /// Standard errors of [`ReferenceLight::by_effect`].
     pub by_effect_error: [f64; EFFECTS],
     /// Total by the number of matt surfaces that reflected the light: none, one, more.
     pub by_reflections: [f64; 3],
-    /// Standard errors of [`Judged::by_reflections`].
+    /// Standard errors of [`ReferenceLight::by_reflections`].
     pub by_reflections_error: [f64; 3],
 }
 
-impl Judged {
+impl ReferenceLight {
     /// Creates the estimate from means of batches.
     pub(super) fn of(batches: &[Batch; BATCHES]) -> Self {
-        let mut judged = Judged::default();
+        let mut reference = ReferenceLight::default();
         for part in 0..PARTS {
             let value = |batch: &Batch| if part < PARTS - 1 { batch[part] } else { batch[..PARTS - 1].iter().sum() };
-            (judged.mean[part], judged.error[part]) = mean_and_error(&batches.each_ref().map(value));
+            (reference.mean[part], reference.error[part]) = mean_and_error(&batches.each_ref().map(value));
         }
         for effect in Effect::ALL {
             let values = batches.each_ref().map(|batch| batch[lane(effect)]);
-            (judged.by_effect[effect as usize], judged.by_effect_error[effect as usize]) = mean_and_error(&values);
+            (reference.by_effect[effect as usize], reference.by_effect_error[effect as usize]) =
+                mean_and_error(&values);
         }
         for reflections in 0..3 {
             let values = batches.each_ref().map(|batch| by_reflections(batch)[reflections]);
-            (judged.by_reflections[reflections], judged.by_reflections_error[reflections]) = mean_and_error(&values);
+            (reference.by_reflections[reflections], reference.by_reflections_error[reflections]) =
+                mean_and_error(&values);
         }
-        judged
+        reference
     }
 }
 

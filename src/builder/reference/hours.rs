@@ -122,7 +122,7 @@ impl HourSample {
         }
         for ((receiver, condition), of) in chosen {
             let result = result(receiver, condition);
-            self.pairs.push(Pair { receiver, condition, result, judged: Default::default() });
+            self.pairs.push(Pair { receiver, condition, result, reference: Default::default() });
             self.of.push(of);
         }
     }
@@ -145,20 +145,21 @@ impl HourSample {
         let (chosen, mut pairs) = (chosen.clone().count(), chosen.collect::<Vec<Pair>>());
         // Drop hours that are not of the kind: coarse results spread light over neighbouring
         // directions, and so chose them.
-        pairs.retain(|pair| kind.holds(&pair.judged.mean));
+        pairs.retain(|pair| kind.holds(&pair.reference.mean));
         let holding = pairs.len() as f64 / chosen.max(1) as f64;
         let receivers = pairs.chunk_by(|a, b| a.receiver == b.receiver).count();
         let share = holding * self.members[kind as usize] as f64 / self.looked_at.max(1) as f64;
         let matt = Effect::Diffuse as usize;
-        let off =
-            |pair: &Pair| (reflected(&pair.result) - pair.judged.by_effect[matt], pair.judged.by_effect_error[matt]);
+        let off = |pair: &Pair| {
+            (reflected(&pair.result) - pair.reference.by_effect[matt], pair.reference.by_effect_error[matt])
+        };
         (share >= LEAST_SHARE && receivers >= LEAST_RECEIVERS).then(|| HoursFound {
             kind,
             share,
             receivers,
             mean_w_m2: mean_w_m2(&pairs),
             rmse_w_m2: deviation(&pairs, &[], Component::Total as usize).rmse_w_m2,
-            reflected_mean_w_m2: mean_of(&pairs, |pair| pair.judged.by_effect[matt]),
+            reflected_mean_w_m2: mean_of(&pairs, |pair| pair.reference.by_effect[matt]),
             reflected_w_m2: rmse_known(&pairs, &[], off),
             mix: mix_of(&pairs),
         })
@@ -172,9 +173,9 @@ fn mean_of(pairs: &[Pair], value: impl Fn(&Pair) -> f64) -> f64 {
 /// Returns the share of each kind of hours among pairs, as the manifest states it.
 pub fn mix_of(pairs: &[Pair]) -> Vec<HoursMix<'static>> {
     let of_kind = |kind: HourKind| {
-        let inside: Vec<Pair> = pairs.iter().filter(|pair| kind.holds(&pair.judged.mean)).copied().collect();
+        let inside: Vec<Pair> = pairs.iter().filter(|pair| kind.holds(&pair.reference.mean)).copied().collect();
         let share = inside.len() as f64 / pairs.len().max(1) as f64;
-        let reflected_mean_w_m2 = mean_of(&inside, |pair| pair.judged.by_effect[Effect::Diffuse as usize]);
+        let reflected_mean_w_m2 = mean_of(&inside, |pair| pair.reference.by_effect[Effect::Diffuse as usize]);
         HoursMix { hours: kind.name(), share, mean_w_m2: mean_w_m2(&inside), reflected_mean_w_m2 }
     };
     HourKind::ALL.into_iter().map(of_kind).collect()
@@ -213,8 +214,8 @@ mod tests {
         sample.choose(0..160, 64, result, 1);
         assert_eq!(sample.pairs.len(), 1280);
         for pair in &mut sample.pairs {
-            pair.judged.mean = light(if pair.receiver % 2 == 0 { 0.0 } else { 300.0 }, 30.0, 20.0, 0.0);
-            pair.judged.by_effect[Effect::Diffuse as usize] = 20.0;
+            pair.reference.mean = light(if pair.receiver % 2 == 0 { 0.0 } else { 300.0 }, 30.0, 20.0, 0.0);
+            pair.reference.by_effect[Effect::Diffuse as usize] = 20.0;
         }
         let found = sample.found();
         assert_eq!((found.len(), found[0].kind, found[0].receivers), (1, HourKind::NoDirectSun, 80));

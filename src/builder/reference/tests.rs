@@ -54,21 +54,21 @@ impl Count {
     ) {
         let scene = Scene::from_triangles(triangles, materials).expect("a scene");
         let prepared = PreparedScene::new(&scene).expect("a tree");
-        let judge = Judge::new(&prepared, Effects::NONE);
-        let sky = JudgedSky::new(condition, SkyModel::Uniform).expect("a sky");
+        let tracer = PathTracer::new(&prepared, Effects::NONE);
+        let sky = ReferenceSky::new(condition, SkyModel::Uniform).expect("a sky");
         for (place, (position, normal, expected)) in known.iter().enumerate() {
             let total: f64 = expected.iter().sum();
             for seed in 0..seeds {
-                let judged = judge.irradiance(*position, *normal, &[&sky], 2048, mix(seed, place as u64))[0];
+                let reference = tracer.irradiance(*position, *normal, &[&sky], 2048, mix(seed, place as u64))[0];
                 for (part, expected) in expected.iter().chain([&total]).enumerate() {
                     // Parts that are known exactly have no error but rounding.
-                    let error = judged.error[part].max(1e-4 * total);
-                    let off = (judged.mean[part] - expected) / error;
-                    if judged.mean[part] > 0.0 || *expected > 0.0 {
+                    let error = reference.error[part].max(1e-4 * total);
+                    let off = (reference.mean[part] - expected) / error;
+                    if reference.mean[part] > 0.0 || *expected > 0.0 {
                         self.all += 1;
                         self.beyond += usize::from(off.abs() > 3.0);
                         self.sum += off;
-                        self.largest = self.largest.max((judged.mean[part] - expected).abs() / total);
+                        self.largest = self.largest.max((reference.mean[part] - expected).abs() / total);
                     }
                 }
             }
@@ -183,7 +183,7 @@ fn a_lit_wall_gives_its_view_factor() {
 fn an_edge_hides_its_share_of_the_sun() {
     let (dni, altitude) = (800.0, 30.0_f64.to_radians());
     let condition = condition(90.0, 30.0, dni, 100.0);
-    let sky = JudgedSky::new(&condition, SkyModel::Uniform).expect("a sky");
+    let sky = ReferenceSky::new(&condition, SkyModel::Uniform).expect("a sky");
     // Height of the edge above the centre of the disc, in radii, and the open share.
     for t in [-0.687_f64, 0.0, 0.687] {
         let open = (t.acos() - t * (1.0 - t * t).sqrt()) / PI;
@@ -195,15 +195,15 @@ fn an_edge_hides_its_share_of_the_sun() {
         quad(&mut triangles, 0, DVec3::new(400.0, -400.0, -2.0), DVec3::Y * 800.0, DVec3::Z * (top + 2.0));
         let scene = Scene::from_triangles(&triangles, vec![matt(0.0)]).expect("a scene");
         let prepared = PreparedScene::new(&scene).expect("a tree");
-        let judge = Judge::new(&prepared, Effects::NONE);
+        let tracer = PathTracer::new(&prepared, Effects::NONE);
         for paths in [4096, 16384] {
             let (mut sum, mut square, mut noise) = (0.0, 0.0, 0.0);
             for seed in 0..400 {
-                let judged = judge.sun(DVec3::ZERO, DVec3::Z, &[&sky], paths, seed)[0];
-                let [mean, error] = [judged.mean, judged.error].map(|of| of[Component::SunDirect as usize]);
+                let reference = tracer.sun(DVec3::ZERO, DVec3::Z, &[&sky], paths, seed)[0];
+                let [mean, error] = [reference.mean, reference.error].map(|of| of[Component::SunDirect as usize]);
                 let off = mean - expected;
                 (sum, square, noise) = (sum + off / 400.0, square + off * off / 400.0, noise + error * error / 400.0);
-                assert_eq!((judged.mean[6], judged.mean[Component::SkyDirect as usize]), (mean, 0.0));
+                assert_eq!((reference.mean[6], reference.mean[Component::SkyDirect as usize]), (mean, 0.0));
             }
             assert!(sum.abs() < 3.0 * (noise / 400.0).sqrt() + 0.2, "{t} {paths}: {sum} {noise}");
             assert!((square / noise - 1.0).abs() < 0.25, "{t} {paths}: {square} {noise}");
@@ -226,7 +226,7 @@ fn a_white_court_is_as_bright_as_the_sky() {
         let white = Material { specular, ..matt(1.0 - specular) };
         let scene = Scene::from_triangles(&triangles, vec![white]).expect("a scene");
         let prepared = PreparedScene::new(&scene).expect("a tree");
-        let sky = JudgedSky::new(&condition(90.0, 45.0, 0.0, 200.0), SkyModel::Uniform).expect("a sky");
+        let sky = ReferenceSky::new(&condition(90.0, 45.0, 0.0, 200.0), SkyModel::Uniform).expect("a sky");
         let (mut beyond, mut sum) = (0, 0.0);
         for (position, normal) in [
             (DVec3::new(2.0, 2.0, 0.0), DVec3::Z),
@@ -234,9 +234,10 @@ fn a_white_court_is_as_bright_as_the_sky() {
             (DVec3::new(4.0, 5.0, 9.0), DVec3::NEG_Y),
         ] {
             for seed in 0..50 {
-                let judged = Judge::new(&prepared, Effects::NONE).irradiance(position, normal, &[&sky], 2048, seed)[0];
-                sum += judged.mean[6] / 150.0;
-                beyond += usize::from((judged.mean[6] - 200.0).abs() > 3.0 * judged.error[6]);
+                let reference =
+                    PathTracer::new(&prepared, Effects::NONE).irradiance(position, normal, &[&sky], 2048, seed)[0];
+                sum += reference.mean[6] / 150.0;
+                beyond += usize::from((reference.mean[6] - 200.0).abs() > 3.0 * reference.error[6]);
             }
         }
         assert!(beyond <= 4 && (sum / 200.0 - 1.0).abs() < 0.006, "{beyond} {sum}");
@@ -308,14 +309,18 @@ fn a_level_receiver_gets_dhi_of_every_sky() {
     let models = CieType::all().map(SkyModel::Cie).chain([SkyModel::Perez]);
     let mut seen = 0;
     for model in models {
-        let sky = JudgedSky::new(&condition(200.0, 50.0, 600.0, 180.0), model).expect("a sky");
-        let judged =
-            Judge::new(&prepared, Effects::NONE).irradiance(DVec3::new(9.0, 9.0, 1.0), DVec3::Z, &[&sky], 1 << 14, 3)
-                [0];
-        let off = (judged.mean[Component::SkyDirect as usize] - 180.0).abs();
+        let sky = ReferenceSky::new(&condition(200.0, 50.0, 600.0, 180.0), model).expect("a sky");
+        let reference = PathTracer::new(&prepared, Effects::NONE).irradiance(
+            DVec3::new(9.0, 9.0, 1.0),
+            DVec3::Z,
+            &[&sky],
+            1 << 14,
+            3,
+        )[0];
+        let off = (reference.mean[Component::SkyDirect as usize] - 180.0).abs();
         assert!(
-            off < (3.0 * judged.error[Component::SkyDirect as usize]).max(0.05) && off < 0.9,
-            "{model:?} {judged:?}"
+            off < (3.0 * reference.error[Component::SkyDirect as usize]).max(0.05) && off < 0.9,
+            "{model:?} {reference:?}"
         );
         seen += 1;
     }
