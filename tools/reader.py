@@ -32,7 +32,6 @@ from blake3 import blake3
 MAGIC = bytes.fromhex("89484c4f0d0a1a0a")
 FIRST_BLOCK, ALIGN, ENTRY_SIZE, MAX_RAW, MAX_ENTRIES, MAX_MANIFEST = 8192, 64, 80, 8388608, 67108864, 1048576
 MAX_ROWS, MAX_STRING, MAX_MATERIALS, MAX_SEEN, NOTHING = 4096, 1024, 65536, 32767, 0x7FFF
-KNOWN_REQUIRED = 1
 MAX_SIDE = 8192  # What this program holds; the format states smaller limits for each setting.
 SLOT = namedtuple("Slot", "magic major minor state required optional generation committed directory_offset "
                           "directory_length directory_count manifest_offset manifest_length root reserved checksum")
@@ -524,7 +523,7 @@ class Archive:
         need(slots, "the header is damaged: both slots")
         for s in slots:
             need((s.major, s.minor) == (1, 6), f"format {s.major}.{s.minor}, this program reads 1.6")
-            need(s.required & ~KNOWN_REQUIRED == 0, f"unknown required features {s.required & ~KNOWN_REQUIRED:#x}")
+            need(s.required == 0, f"unknown required features {s.required:#x}")
         slots = [s for s in slots if s.state == 1]
         need(slots, "the archive was not finished")
         s = self.slot = max(slots, key=lambda s: s.generation)  # The first of equal ones: slot A.

@@ -49,7 +49,7 @@ pub struct PartRequest<'a> {
 /// Builds parts of the atlas at a place.
 pub fn build_parts(place: &Path, request: &PartRequest, observer: &dyn Observer) -> Result<()> {
     if !is_address(place) && !is_atlas(place) {
-        let what = format!("is no folder of an atlas: it holds no {FILE}");
+        let what = format!("is not a folder of an atlas: it holds no {FILE}");
         return Err(Error::input(place, None, what, "make one with `{command:partition}`"));
     }
     let atlas = Atlas::open(place)?;

@@ -156,7 +156,7 @@ fn info_lists_layers_and_verify_finds_damage() {
     let verified = folder.run("verify long.helio");
     let message = String::from_utf8_lossy(&verified.stderr).into_owned();
     assert_eq!(verified.status.code(), Some(0));
-    assert!(message.contains("long.helio: ignored 99 bytes behind the archive's end; harmless"), "{message}");
+    assert!(message.contains("long.helio: ignored 99 bytes after the archive's end; harmless"), "{message}");
     bytes[8192 + 10] ^= 1;
     fs::write(folder.path("bad.helio"), &bytes).expect("a writable folder");
     let verified = folder.run("verify bad.helio");

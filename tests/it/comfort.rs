@@ -305,7 +305,7 @@ fn wrong_questions_are_refused() {
         ),
         (format!("comfort plain.obj {place} --points p.csv -w still.csv --time-zone -7"), "wind speed is missing"),
         (format!("comfort roof.helio -w {weather}"), "no receiver `roof/down`"),
-        (format!("comfort roof.helio -w {weather} --points p.csv"), "where the archive has them"),
+        (format!("comfort roof.helio -w {weather} --points p.csv"), "an archive states where people stand"),
         (format!("comfort plain.obj {place} --points low.csv -w {weather}"), "lies below the ground"),
         (format!("comfort plain.obj {place} --points p.csv -w {weather} --film 0"), "is 0 W/m2K"),
         (format!("comfort plain.obj {place} --on roof -w {weather}"), "roof"),

@@ -91,7 +91,7 @@ fn ground_reflectance_follows_months_and_snow() {
         lines.into_iter().map(row).collect()
     };
     let built = stderr(&run("build m.idf -r r.csv -o m.helio"));
-    assert!(built.contains("reflects 0 to 0.6 by month, times 0.5 under snow, as m.idf says"), "{built}");
+    assert!(built.contains("reflects 0 to 0.6 by month, times 0.5 under snow, as m.idf states"), "{built}");
     let found = totals("m.helio");
     let off = [(found[0] / expected - 1.0).abs(), (found[1] / (0.5 * expected) - 1.0).abs()];
     println!("{found:?} for {expected}: off by {off:?}");

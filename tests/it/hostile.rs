@@ -283,10 +283,10 @@ fn lying_mirrors_are_refused() {
     type Lie<'l> = (BlockKind, &'l str, Box<dyn Fn(&mut Rows) + 'l>);
     let mut lies: Vec<Lie> = vec![
         (format::MIRROR, "mirror 9999", Box::new(in_receivers(|m| m.windows[0].chain = Chain::new(&[0, 9999])))),
-        (format::MIRROR, "shape", Box::new(in_receivers(|m| m.windows[0].texture.truncate(9)))),
+        (format::MIRROR, "malformed", Box::new(in_receivers(|m| m.windows[0].texture.truncate(9)))),
         (format::MIRROR, "material 999", Box::new(in_receivers(|m| m.paths[0].steps[0].0 = 999))),
         (format::MIRROR, "does not exist", Box::new(in_receivers(|m| nowhere(&mut m.paths[0].cell)))),
-        (format::MIRROR, "shape", Box::new(in_receivers(|m| m.paths[0].texel = 64))),
+        (format::MIRROR, "malformed", Box::new(in_receivers(|m| m.paths[0].texel = 64))),
         (format::MIRROR, "rows", Box::new(|rows| drop(rows.pop()))),
     ];
     for kind in [format::PROBE_MIRROR, format::BOUNCE_MIRROR] {
@@ -302,8 +302,8 @@ fn lying_mirrors_are_refused() {
         let place = row.len() - 21;
         row[place] ^= 1;
     };
-    lies.push((format::MIRROR, "shape", Box::new(region)));
-    lies.push((format::PROBE_MIRROR, "shape", Box::new(|rows| rows.iter_mut().for_each(|row| row.truncate(6)))));
+    lies.push((format::MIRROR, "malformed", Box::new(region)));
+    lies.push((format::PROBE_MIRROR, "malformed", Box::new(|rows| rows.iter_mut().for_each(|row| row.truncate(6)))));
     assert_eq!(lies.len(), 16);
     let depths = [MaxBounces::All, MaxBounces::Count(1), MaxBounces::Count(2)];
     let (mut refused, mut done) = (0, 0);

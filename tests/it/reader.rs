@@ -34,7 +34,7 @@ type Arrays = Vec<(&'static str, Vec<u8>)>;
 
 /// The golden archives, which together hold blocks of all kinds: their names, and the number of
 /// arrays of each.
-const GOLDEN: [(&str, usize); 3] = [("v1.6-experimental", 98), ("v1.6-mirrors", 78), ("v1.6-bands", 62)];
+const GOLDEN: [(&str, usize); 3] = [("v1.6-box", 98), ("v1.6-mirrors", 78), ("v1.6-bands", 62)];
 
 /// Returns the path of a file of a golden archive: `.helio`, the outputs of `reader.py` and of
 /// `query`, and the conditions.

@@ -73,7 +73,7 @@ fn wrong_numbers_are_refused() {
         ("--rays 0", ["0 rays", "256,1024,4096"]),
         ("--rays 1000", ["961 and 1024", "squares"]),
         ("--distances -3", ["-3 m", "metres above 0"]),
-        ("--distances 9..2", ["`9..2` is empty", "1..50"]),
+        ("--distances 9..2", ["`9..2` ends before it starts", "1..50"]),
         ("--distances far", ["`far`", "1..50"]),
         ("--points 0", ["0 is not in 1..=10000", "--points"]),
     ] {

@@ -103,7 +103,7 @@ fn leap_days_are_left_out_of_other_years() {
     folder.refused(&format!("{replay} --year 0"), &["--year", "1..=2999"]);
     folder.refused(
         &format!("{replay} --year 2019 --to 1998-03-20"),
-        &["holds 2019-03-20T00:00", "nothing to 1998-03-20"],
+        &["no row lies in the part to 1998-03-20", "from 2019-03-20T00:00"],
     );
     let two: Vec<Date> = [2007, 2008].iter().filter_map(|year| Date::new(*year, 1, 1)).collect();
     folder.write(

@@ -4,9 +4,9 @@
 //! A spread sample of the receivers is divided in two. The pilot is built with a few settings, and
 //! the distances between the results give the error of every rung of each ladder ([`estimate`]).
 //! The check is built with the chosen settings and compared with the independent [reference path
-//! tracer](crate::reference), in all hours and in those when the sun lights what receivers see but not
-//! the receivers. If the total or reflected light alone exceeds the target there, finer settings
-//! are chosen by the errors found for each source. Nothing depends on the machine, so the same site
+//! tracer](crate::reference), in all hours and in those when the sun lights what receivers see but
+//! not the receivers. If the total or reflected light alone exceeds the target there, finer
+//! settings are chosen by the errors found for each source. Nothing depends on the machine, so the same site
 //! and target give the same settings and the same archive.
 
 pub mod conditions;

@@ -72,7 +72,6 @@ impl SiteTracer<'_> {
         Manifest {
             format: "heliotile".into(),
             creator: Creator { name: "heliotile".into(), version: env!("CARGO_PKG_VERSION").into() },
-            experimental: true,
             scene: SceneSummary {
                 content_hash: format::hex(&self.scene.content_hash()),
                 triangles: mesh.triangles.len() as u64,

@@ -2,8 +2,8 @@
 //! scene, receivers, weather. Out: by groups of receivers, an upper bound of the light that is lost
 //! without an effect.
 //!
-//! The [reference path tracer](crate::reference) follows light paths of a sample of receivers under all
-//! suns and skies of the year at once. It counts the light that came by surfaces, by several of
+//! The [reference path tracer](crate::reference) follows light paths of a sample of receivers under
+//! all suns and skies of the year at once. It counts the light that came by surfaces, by several of
 //! them and by mirrors, and the light that canopies took away. A bound is 1.05 times the mean
 //! found, since a build may overestimate an effect, plus three standard errors: of the path tracer
 //! and, if not all receivers were sampled, of the sample. The bound holds for the mean of a group;

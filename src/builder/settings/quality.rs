@@ -38,7 +38,7 @@ impl Quality {
 impl NamedValues for Quality {
     const VALUES: &'static [(&'static str, &'static str, Self)] = &[
         ("draft", "For a quick look", Quality::Draft),
-        ("standard", "For most work: near the knee of error against time", Quality::Standard),
+        ("standard", "For most work: the best balance of error and time", Quality::Standard),
         ("fine", "For publication", Quality::Fine),
         ("reference", "To measure the errors of the others against", Quality::Reference),
     ];

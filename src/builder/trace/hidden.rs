@@ -32,8 +32,8 @@ pub struct Verdict {
     pub doubtful: bool,
 }
 
-/// PathTracers `count` points by `looks`, pairs of a point and a ray. With `inside` the points are on
-/// the back of their triangles, so that front sides count as other sides.
+/// Decides on `count` points by `looks`, pairs of a point and a ray. With `inside` the points are
+/// on the back of their triangles, so that front sides count as other sides.
 pub fn hidden(count: usize, looks: &[(usize, Ray)], inside: bool, mesh: &Mesh, tracer: &Tracer) -> Verdict {
     let rays: Vec<Ray> = looks.iter().map(|look| look.1).collect();
     let hits = tracer.closest_many(&rays);

@@ -9,7 +9,7 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::site::content::ContentHasher;
 
 /// Keys of the manifest that describe one file, not its content.
-const OF_THE_FILE: [&str; 5] = ["format", "creator", "experimental", "counts", "layers"];
+const OF_THE_FILE: [&str; 4] = ["format", "creator", "counts", "layers"];
 
 /// Length of the longest value in a message, characters.
 const LONGEST: usize = 70;

@@ -216,7 +216,6 @@ impl<'a> ArchiveAssembly<'a> {
         let own = Manifest::new();
         let manifest = Manifest {
             creator: own.creator,
-            experimental: own.experimental,
             receivers: manifest::ReceiverSummary {
                 count: receivers,
                 tile_size: TILE as u32,

@@ -81,10 +81,9 @@ pub const BUILDING: u32 = 0;
 /// State of a slot whose generation is whole. Readers accept no other.
 pub const COMPLETE: u32 = 1;
 
-/// Required feature bit 0, set by releases before 1.0.
-pub const EXPERIMENTAL: u64 = 1;
-/// Names of the required feature bits that this release knows, lowest first.
-pub const REQUIRED_BITS: [&str; 1] = ["experimental"];
+/// Names of the required feature bits that only versions before the first release set, lowest
+/// first. This release sets no required bit and reads no archive that has one.
+pub const RETIRED_BITS: [&str; 1] = ["experimental"];
 
 /// Codec of blocks that are stored without compression.
 pub const CODEC_RAW: u16 = 0;
@@ -323,7 +322,7 @@ impl Slot {
             major: MAJOR,
             minor: MINOR,
             state: BUILDING,
-            required: EXPERIMENTAL,
+            required: 0,
             optional: 0,
             generation: 0,
             committed: FIRST_BLOCK,
@@ -353,10 +352,9 @@ impl Slot {
         (slot.magic == MAGIC && checksum(checked) == sum).then_some(slot)
     }
 
-    /// Returns the numbers of the required feature bits that this release does not know, lowest
-    /// first.
+    /// Returns the numbers of the required feature bits, lowest first: this release knows none.
     pub fn unknown_bits(&self) -> Vec<u32> {
-        (0..u64::BITS).filter(|bit| self.required >> bit & 1 == 1 && *bit as usize >= REQUIRED_BITS.len()).collect()
+        (0..u64::BITS).filter(|bit| self.required >> bit & 1 == 1).collect()
     }
 }
 
@@ -425,6 +423,6 @@ mod tests {
         assert_eq!(block_name(SKY, TileNumber(3)), "sky/3");
         assert_eq!(block_name(BlockKind(77), TileNumber(0)), "kind-77/0");
         assert_eq!((align(8193), align(u64::MAX)), (Some(8256), None));
-        assert_eq!(Slot { required: 0b101, ..Slot::building() }.unknown_bits(), [2]);
+        assert_eq!(Slot { required: 0b101, ..Slot::building() }.unknown_bits(), [0, 2]);
     }
 }

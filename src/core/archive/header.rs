@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::archive::format;
 use crate::archive::format::{
-    COMPLETE, ENTRY_SIZE, FIRST_BLOCK, MAGIC, MAJOR, MAX_ENTRIES, MAX_MANIFEST, MINOR, REQUIRED_BITS, SLOT_OFFSETS,
+    COMPLETE, ENTRY_SIZE, FIRST_BLOCK, MAGIC, MAJOR, MAX_ENTRIES, MAX_MANIFEST, MINOR, RETIRED_BITS, SLOT_OFFSETS,
     SLOT_SIZE, Slot,
 };
 use crate::archive::source::Source;
@@ -70,11 +70,15 @@ fn check_supported(path: &Path, slot: &Slot) -> Result<()> {
     if unknown.is_empty() {
         return Ok(());
     }
-    let bits = unknown.iter().map(u32::to_string).collect::<Vec<_>>().join(", ");
+    let named = |bit: &u32| match RETIRED_BITS.get(*bit as usize) {
+        Some(name) => format!("{bit} ({name}, set before the first release)"),
+        None => bit.to_string(),
+    };
+    let bits = unknown.iter().map(named).collect::<Vec<_>>().join(", ");
     Err(Error::Unsupported {
         what: format!("{}: required features of the archive", path.display()),
         found: format!("feature bit {bits}"),
-        supported: REQUIRED_BITS.iter().enumerate().map(|(bit, name)| format!("{bit} ({name})")).collect(),
+        supported: "none: build the archive again with this release".into(),
     })
 }
 
@@ -140,8 +144,8 @@ mod tests {
     }
 
     /// Formats 1.0, 1.5, 1.7 and 2.6 are refused, 4 of 4, with the file, the format found, the one
-    /// supported and what to do. Required bit 7 is refused by its number, and an optional one is
-    /// ignored.
+    /// supported and what to do. Required bits 0 and 7 are refused by number, and by name if they
+    /// have one. An optional bit is ignored.
     #[test]
     fn other_formats_are_refused_by_name() {
         for (major, minor) in [(1, 0), (1, 5), (1, 7), (2, 6)] {
@@ -153,7 +157,10 @@ mod tests {
             assert_eq!(error.to_string(), expected);
         }
         let error = read_slots([Slot { required: 0x81, ..complete(1) }; 2], 8192).unwrap_err().to_string();
-        assert!(error.contains("feature bit 7") && error.contains("0 (experimental)"), "{error}");
+        assert!(
+            error.contains("feature bit 0 (experimental, set before the first release), 7, this release"),
+            "{error}"
+        );
         assert_eq!(read_slots([Slot { optional: 99, ..complete(1) }; 2], 8192).unwrap().slot.optional, 99);
     }
 

@@ -29,8 +29,6 @@ pub struct Manifest {
     pub format: String,
     /// Program and version that wrote it.
     pub creator: Creator,
-    /// True before release 1.0.
-    pub experimental: bool,
     /// Summary of the traced scene.
     pub scene: SceneSummary,
     /// Number of receivers and of their tiles.
@@ -165,7 +163,6 @@ impl Manifest {
         Manifest {
             format: "heliotile".to_string(),
             creator: Creator { name: "heliotile".to_string(), version: env!("CARGO_PKG_VERSION").to_string() },
-            experimental: true,
             ..Manifest::default()
         }
     }

@@ -284,7 +284,7 @@ mod tests {
             }
         }
         let text = states(&of(1000, 1.0), &[false, true]).expect_err("too steep").to_string();
-        assert!(text.contains("transmittances") && text.contains("round the values"), "{text}");
+        assert!(text.contains("transmittances") && text.contains("round them"), "{text}");
         assert_eq!(states(&of(90, 1.0), &[false, true]).expect("states").reflectances.len(), 90);
         assert_eq!(states(&of(1000, 1.0), &[]).expect("states").reflectances.len(), 5);
     }

@@ -115,7 +115,9 @@ mod tests {
         assert_eq!(count(&in_year(&days, "2019-02-01", "2019-02-01", 2019).expect("rows")), 2);
         let text = in_year(&days, "1996-02-01", "1996-02-01", 2019).expect_err("of 2019").to_string();
         assert!(
-            text.contains("in the part from 1996-02-01; they reach from 2019-01-31T00:00 to 2019-02-28T24:00"),
+            text.contains(
+                "in the part from 1996-02-01 to 1996-02-01; its rows reach from 2019-01-31T00:00 to 2019-02-28T24:00"
+            ),
             "{text}"
         );
     }

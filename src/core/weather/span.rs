@@ -139,7 +139,7 @@ impl Span {
         let label =
             |moment: Option<(Date, f64)>| moment.map_or_else(String::new, |(date, minutes)| date.label(minutes as u32));
         let (first, last) = (label(rows.first().map(Interval::start)), label(rows.last().map(Interval::end)));
-        let what = format!("none of its rows lies in the part {self}; they reach from {first} to {last}");
+        let what = format!("no row lies in the part {self}; its rows reach from {first} to {last}");
         Err(Error::input(file, None, what, "choose dates within the file"))
     }
 
@@ -234,11 +234,9 @@ mod tests {
             match hours {
                 0 => {
                     let text = chosen.expect_err("nothing").to_string();
-                    assert!(
-                        text.contains(
-                            "in the part to 2018-12-31; they reach from 2019-01-01T00:00 to 2019-12-31T24:00"
-                        )
-                    );
+                    assert!(text.contains(
+                        "in the part to 2018-12-31; its rows reach from 2019-01-01T00:00 to 2019-12-31T24:00"
+                    ));
                 }
                 _ => assert_eq!(chosen.expect("rows").iter().filter(|c| **c).count(), hours, "{from} {to}"),
             }
@@ -280,8 +278,8 @@ mod tests {
         }
         let of_june = span("06-01", "06-30").expect("a span");
         for (minutes, said) in [
-            (-41.0, "holds 2019-04-30T23:19 to 2019-05-02T23:19, nothing"),
-            (30.0, "holds 2019-05-01T00:30 to 2019-05-03T00:30, nothing"),
+            (-41.0, "its rows reach from 2019-04-30T23:19 to 2019-05-02T23:19"),
+            (30.0, "its rows reach from 2019-05-01T00:30 to 2019-05-03T00:30"),
         ] {
             let text = of_june.rows_of(&moved(&may, minutes), Path::new("w.epw")).expect_err("May").to_string();
             assert!(text.contains(said), "{text}");

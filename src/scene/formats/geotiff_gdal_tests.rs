@@ -134,7 +134,7 @@ fn a_raster_in_metres_ignores_a_system_in_feet() {
     let place = scene.place.expect("Germany");
     assert!((place.latitude_deg - 51.4503).abs() < 1e-3 && (place.longitude_deg - 9.0014).abs() < 1e-3, "{place}");
     let said: Vec<&String> = scene.report.warnings.iter().filter(|said| said.contains("EPSG:2263")).collect();
-    assert!(said.len() == 1 && said[0].contains("the place is that of the files"), "{said:?}");
+    assert!(said.len() == 1 && said[0].contains("the place of the files is used"), "{said:?}");
 }
 
 /// Files beside a raster say where it lies: a world file and a `.prj` of Esri (first sample 500005

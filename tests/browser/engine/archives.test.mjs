@@ -127,7 +127,7 @@ test("a fisheye of 101 points has 7,845 in the disc, sky in the share that a hor
   });
   assert.ok(Math.abs(inside - Math.PI * 50.5 ** 2) < 60, `${inside}`);
   assert.ok(Math.abs(sky / all - flat.views[0]) < 0.02, `${sky / all} ${flat.views[0]}`);
-  const small = await opened(readFileSync("tests/data/archives/v1.6-experimental.helio"));
+  const small = await opened(readFileSync("tests/data/archives/v1.6-box.helio"));
   const { paths } = small.tasks.fisheye({ tile: 0, row: 0, side: 9 });
   assert.ok(["21 Jun", "20 Mar", "21 Dec", "12"].every((label) => paths.some((path) => path.label === label)));
   for (const { points } of paths) {

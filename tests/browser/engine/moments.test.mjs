@@ -47,7 +47,7 @@ test("3 changed reflectances have the values of query within 1e-4 of the largest
 });
 
 test("2 archives with mirrors and canopies have the values of query within 1e-4, leaves at 0.2 and as stored", async () => {
-  for (const name of ["experimental", "mirrors"]) {
+  for (const name of ["box", "mirrors"]) {
     const { site } = await opened(readFileSync(SMALL(name)));
     const canopy = site.groups.find(({ kind }) => kind === "canopy");
     const leaves = canopy ? [[{ reflectance: [], transmittance: [[canopy.name, 0.2]] }, ["--transmittance", `${canopy.name}=0.2`]]] : [];
