@@ -604,7 +604,7 @@ class Checker:
         for name, counts in zip(("slot A", "slot B"), archive.counts):
             self.guard(name, lambda c=counts: need(c, "no magic or wrong checksum: it does not count"))
         self.guard("cells", self.cells)
-        self.guard("names", self.gazetteer)
+        self.guard("names", self.name_index)
         self.guard("padding", self.padding)
 
     def guard(self, name, work):
@@ -633,7 +633,7 @@ class Checker:
             need(known[of].issuperset(seen), f"{name} sees a cell that is not there")
         need(self.canopies.issuperset(self.crossed), "a material that is crossed is no canopy")
 
-    def gazetteer(self):
+    def name_index(self):
         """What chunks of names say together, and of receivers."""
         if not self.chunks:
             return

@@ -36,7 +36,7 @@ pub fn copy(atlas: &Atlas, to: &Path, replace: bool, observer: &dyn Observer) ->
         }
     }
     // If one of the two places is remote, its folder runs many copies at a time.
-    let afar = if to.is_remote() { &to } else { &atlas.folder };
+    let remote = if to.is_remote() { &to } else { &atlas.folder };
     let stage = Stage::begin(observer, "files", Some(names.len() as u64 + 1));
     let one = |name: &String| {
         let copy = |replace| heliotile_remote::copy(&atlas.folder.join(name), &to.join(name), replace, &Silent);
@@ -52,7 +52,7 @@ pub fn copy(atlas: &Atlas, to: &Path, replace: bool, observer: &dyn Observer) ->
     };
     let (mut sent, mut bytes) = (0, 0);
     for some in names.chunks(STEP) {
-        for (count, length) in afar.each(some, one)? {
+        for (count, length) in remote.each(some, one)? {
             sent += count;
             bytes += length;
         }

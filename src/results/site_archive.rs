@@ -41,6 +41,12 @@ impl WaysOut {
         results: KEEP_OR_REPLACE,
         started: "repeat the command that started it to continue, or give {replace} to discard it, or {output} FOLDER to keep it",
     };
+
+    /// Hints of commands whose output option names a table, and whose archive has a folder.
+    pub const WITH_FOLDER: WaysOut = WaysOut {
+        results: "give {folder} FOLDER to keep both, or {replace} to replace the old archive",
+        started: "repeat the command that started it to continue, or give {replace} to discard it, or {folder} FOLDER to keep it",
+    };
 }
 
 /// Request for an archive, with the paths of its files.

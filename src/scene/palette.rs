@@ -163,9 +163,9 @@ impl Palette {
         let near = missing.and_then(|entry| self.tables.get(&entry.source)).cloned().unwrap_or_default();
         let (materials, _) = select(near.into_iter().chain(known).collect(), used, source)?;
 
-        let nobody = || used.iter().filter_map(|entry| entry_of(&entry.name).filter(|entry| entry.assumed));
-        report.assumed = nobody().map(|entry| entry.name.clone()).collect();
-        let assumed: Vec<String> = nobody()
+        let assumed_entries = || used.iter().filter_map(|entry| entry_of(&entry.name).filter(|entry| entry.assumed));
+        report.assumed = assumed_entries().map(|entry| entry.name.clone()).collect();
+        let assumed: Vec<String> = assumed_entries()
             .filter_map(|entry| {
                 Some(format!("`{}` {}", excerpt(entry.name.as_bytes()), entry.material.as_ref()?.optics()))
             })

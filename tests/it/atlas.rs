@@ -397,7 +397,7 @@ fn wrong_inputs_and_misplaced_archives_are_refused() {
         ("build atlas --part 9".into(), ["no part `9`", "0 to 3"]),
         ("build atlas --part x0_y0 -o site.helio".into(), ["--part", "cannot be used with"]),
         ("build atlas --part 0 --quality fine".into(), ["--quality", "cannot be used with"]),
-        (format!("build {model} --part 0"), ["no folder of an atlas", "partition"]),
+        (format!("build {model} --part 0"), ["not a folder of an atlas", "partition"]),
         (format!("replay atlas --weather {weather}"), ["4 of its parts are not built", "heliotile build atlas --part"]),
         (
             format!("replay atlas --weather {weather} --bbox 1,2,3,4"),

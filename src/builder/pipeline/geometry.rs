@@ -102,7 +102,7 @@ impl SiteTracer<'_> {
     }
 
     /// Writes the name index after everything else, so that it is contiguous in the file.
-    pub(super) fn write_gazetteer(&self, receivers: &mut ReceiverTiles, writer: &mut Writer) -> Result<()> {
+    pub(super) fn write_name_index(&self, receivers: &mut ReceiverTiles, writer: &mut Writer) -> Result<()> {
         // The chunk that lists the other chunks is written last, so the index is complete if it is
         // there.
         if writer.has(format::NAMES, TileNumber::FIRST) {

@@ -225,7 +225,7 @@ fn trace(
     if plan.with_scene {
         tracer.write_overview(receivers, writer, clock)?;
     }
-    tracer.write_gazetteer(receivers, writer)?;
+    tracer.write_name_index(receivers, writer)?;
     let manifest = tracer.manifest(&counts, plan, writer.layers());
     warnings.extend(tiles::warnings(&found.misplaced));
     let lost_in_mirrors = tracer.lost.each_ref().map(|lost| f64::from_bits(lost.load(Ordering::Relaxed)));

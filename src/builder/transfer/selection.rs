@@ -125,7 +125,7 @@ fn marked(
     mut meant: impl FnMut(&Receiver) -> bool,
 ) -> Result<Vec<bool>> {
     let tiles: Vec<_> = sites.iter().map(tiles).collect::<Result<_>>()?;
-    let mut kept = nobody(sites);
+    let mut kept = none_kept(sites);
     for receiver in receivers_of(sites, tiles) {
         let (row, receiver) = receiver?;
         *kept.get_mut(row).ok_or_else(|| unexpected(first(sites), &receiver))? = meant(&receiver);
@@ -134,7 +134,7 @@ fn marked(
 }
 
 /// Returns false for each receiver of some archives.
-fn nobody(sites: &[OpenSite]) -> Vec<bool> {
+fn none_kept(sites: &[OpenSite]) -> Vec<bool> {
     vec![false; sites.iter().map(|site| site.receivers() as usize).sum()]
 }
 
@@ -239,7 +239,7 @@ fn by_id(
         let (row, receiver) = receiver?;
         held.push(receiver.id.as_bytes(), &(row as u64).to_le_bytes())?;
     }
-    let (mut kept, mut missing) = (nobody(sites), MissingIds::default());
+    let (mut kept, mut missing) = (none_kept(sites), MissingIds::default());
     // Parts of an atlas may have receivers with the same id: all of them are selected.
     let mut last = None;
     for side in union(wanted, held.finish()?, |a, b| a.0.cmp(&b.0)) {

@@ -2,7 +2,7 @@
 
 # %% [markdown]
 # # Parts on a cluster
-# A plan says which squares a region is cut into; a part is built by whoever has the plan and the scene files.
+# A plan says which squares a region is cut into; any machine that has the plan and the scene files can build a part.
 
 # %%
 import subprocess

@@ -61,9 +61,9 @@ impl Failure {
         match error {
             // A wrong clock is answered like denied access, so it is checked first.
             _ if found.clock_is_off => {
-                let theirs = found.server_time.map_or(String::new(), |time| format!(", the store's clock says {time}"));
+                let clock = found.server_time.map_or(String::new(), |time| format!(", the store's clock says {time}"));
                 let status = found.status.unwrap_or(403);
-                Failure::new(Cause::Clock, format!("this machine's clock is off{theirs} ({status}{code})"))
+                Failure::new(Cause::Clock, format!("this machine's clock is off{clock} ({status}{code})"))
             }
             _ if found.code.as_deref() == Some("NoSuchBucket") => {
                 Failure::new(Cause::Missing, "is in a bucket that does not exist (404, NoSuchBucket)")

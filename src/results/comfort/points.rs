@@ -37,6 +37,8 @@ use heliotile_scene::site::Site;
 
 /// Value of the column `kind` for receivers of people.
 const PERSON: &str = "person";
+/// Area of a point of a table, m2: a map draws it as a square of one metre.
+const POINT_M2: f64 = 1.0;
 
 /// Allowed distances between points, metres; `HEIGHTS_M` are the allowed heights of people.
 const SPACINGS_M: [f64; 2] = [0.1, 1000.0];
@@ -147,7 +149,7 @@ impl ComfortSiteRequest {
             with_scene: true,
             offset_m: 0.0,
             replace: self.replace,
-            ways_out: WaysOut::USUAL,
+            ways_out: WaysOut::WITH_FOLDER,
             memory: resources.memory,
             under: None,
             from: None,
@@ -175,7 +177,7 @@ impl ComfortSiteRequest {
         let siting = Siting::new(&prepared);
         let stand = |point| {
             let spot = placed(table, point, &siting)?;
-            Ok(Stand { name: spot.name, position: spot.position, area_m2: None, patch: Patch::default() })
+            Ok(Stand { name: spot.name, position: spot.position, area_m2: Some(POINT_M2), patch: Patch::default() })
         };
         let stands = points.iter().map(stand).collect::<Result<_>>()?;
         Ok((scene, stands))

@@ -187,6 +187,12 @@ impl RunRequest {
         let (scene, covered) = loaded.map_or_else(load, Ok)?;
         scene.place.and_then(|place| far_apart(&place, &weather)).iter().for_each(|apart| observer.warn(apart));
         maps::check(&self.maps, scene.place.as_ref())?;
+        if scene.place.is_none() {
+            observer.note(
+                "no file states the place of the scene: y is taken for north, and maps have no coordinate system \
+                 ({crs}, or {latitude} and {longitude})",
+            );
+        }
         let under = match self.negligible_percent {
             Some(_) => Some(ErrorConditions::of_weather(&self.weather, weather.clone())?),
             None => None,

@@ -116,7 +116,7 @@ impl SunlightRequest {
             None => FormerValues::default(),
         };
         row_files.start()?;
-        let mut rows = RowBatch::new(&columns, &asked, groups.as_ref());
+        let mut rows = RowBatch::new(&columns, &asked, groups.as_ref(), before.is_some());
         let mut keep = |answer: &mut PlaceAnswer| match &mut record {
             Some(record) => record.add(&answer.name, std::mem::take(&mut answer.spells)),
             None => Ok(()),
@@ -283,17 +283,27 @@ struct RowBatch<'a> {
     /// Number of places that were added.
     places: u64,
     counts: Vec<RuleCount>,
+    /// True if the site before a change is known.
+    has_before: bool,
 }
 
 impl<'a> RowBatch<'a> {
-    fn new(columns: &'a DayColumns<'a>, asked: &Asked, groups: Option<&'a Groups>) -> Self {
+    fn new(columns: &'a DayColumns<'a>, asked: &Asked, groups: Option<&'a Groups>, has_before: bool) -> Self {
         let count = |name: &str| RuleCount { rule: name.to_owned(), ..RuleCount::default() };
         let counts = match asked {
             Asked::Dates(_) => Vec::new(),
             Asked::Rules(rules) => rules.iter().map(|planned| count(&planned.rule.name)).collect(),
         };
         let arrays = vec![Vec::new(); columns.count()];
-        RowBatch { columns, extents: groups.map(Groups::extents), names: Vec::new(), arrays, places: 0, counts }
+        RowBatch {
+            columns,
+            extents: groups.map(Groups::extents),
+            names: Vec::new(),
+            arrays,
+            places: 0,
+            counts,
+            has_before,
+        }
     }
 
     /// Adds a place; returns false if the reader of the output has gone away.
@@ -307,6 +317,7 @@ impl<'a> RowBatch<'a> {
                 let verdict = item.as_ref().map(|item| item.value.judged(&planned.rule, before));
                 let was_broken = before.is_none_or(|before| before.verdict(planned.rule.threshold) == Verdict::Broken);
                 count.newly_broken += u64::from(verdict == Some(Verdict::Broken) && !was_broken);
+                count.only_after += u64::from(self.has_before && verdict.is_some() && before.is_none());
                 *match verdict {
                     Some(Verdict::Met) => &mut count.met,
                     Some(Verdict::Broken) => &mut count.broken,

@@ -84,6 +84,8 @@ pub struct RuleCount {
     pub not_asked: u64,
     /// Number of places that break it and did not before.
     pub newly_broken: u64,
+    /// Number of places among all of these that the site before does not have.
+    pub only_after: u64,
 }
 
 impl SunlightDone {
@@ -97,6 +99,7 @@ impl SunlightDone {
                 (count.close, "close"),
                 (count.not_asked, "not applicable"),
                 (count.newly_broken, "newly broken"),
+                (count.only_after, "of all these only after the change"),
             ];
             let counts: Vec<String> =
                 counts.iter().filter(|(count, _)| *count > 0).map(|(count, word)| format!("{count} {word}")).collect();

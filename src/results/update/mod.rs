@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 use crate::covering::{CoverRequest, Density};
 use crate::horizon::black_below_horizon;
 use crate::resources::Resources;
+use glam::DVec3;
 use heliotile_builder::held::{held_receivers, held_scene};
 use heliotile_builder::pipeline::{Build, BuildReport, Output, Plan, PreparedScene, ReusedArchives, Start, Workspace};
 use heliotile_builder::planning::{check_preview, tables};
@@ -32,6 +33,7 @@ use heliotile_scene::change::TracedScene;
 use heliotile_scene::edit::{EditedScene, SceneEdits};
 use heliotile_scene::load::Soup;
 use heliotile_scene::materials::materials_of;
+use heliotile_scene::placing::plausible::far_objects;
 use heliotile_scene::request::SceneRequest;
 use heliotile_scene::site::Site;
 use receivers::{SceneStates, UpdatedReceivers, cover, usual_spacing};
@@ -113,7 +115,7 @@ impl UpdateRequest {
         let held = held_scene(&before)?;
         let described = self.add.materials.as_deref().map(materials_of).transpose()?.unwrap_or_default();
         let mut edited = self.edits.apply(&held, &described, before.path())?;
-        let new = self.add_files(&mut edited, &held, &added, resources)?;
+        let new = self.add_files(&mut edited, &held, &before, &added, resources)?;
         if !edited.changed {
             observer.warn("the edits change nothing: the new archive is that of the same scene");
         }
@@ -169,6 +171,7 @@ impl UpdateRequest {
         &self,
         edited: &mut EditedScene,
         held: &TracedScene,
+        before: &Archive,
         added: &Site,
         resources: &Resources,
     ) -> Result<Soup> {
@@ -182,6 +185,10 @@ impl UpdateRequest {
         }
         let (scene, mut soup) = Scene::load_with_objects(added)?;
         scene.report.tell(resources.observer);
+        let (low, high) = scene.mesh.bounds();
+        if let Some(far) = far_objects(first, [low, high], before.manifest().scene.bounds_m.map(DVec3::from_array)) {
+            resources.observer.warn(&far);
+        }
         let called = first.file_stem().unwrap_or_default().to_string_lossy();
         let numbers = edited.add(&scene, &called, first)?;
         for material in &mut soup.materials {

@@ -136,7 +136,7 @@ mod tests {
         assert_eq!(table_header("wall \"b\""), "[\"wall \\\"b\\\"\"]");
     }
 
-    /// Four of five misspelt names find theirs; one that is similar to none finds none.
+    /// Four of five misspelt names find the right name; one that is similar to none finds none.
     #[test]
     fn misspelt_names_find_the_nearest_one() {
         let names = ["GroundSurface", "RoofSurface", "WallSurface", "roof"];

@@ -6,6 +6,8 @@
 //! factors of 39 (inches) to 1000 (millimetres) or 100,000 (degrees); wrong systems are hundreds of
 //! kilometres.
 
+use std::path::Path;
+
 use glam::{DVec2, DVec3};
 
 use crate::ground::endless;
@@ -250,6 +252,20 @@ fn near_bounds(scene: &Scene) -> Option<[DVec3; 2]> {
         mesh.triangle_material.iter().enumerate().filter(|(_, material)| Some(usize::from(**material)) != endless);
     let (low, high) = bounds(of_scene.flat_map(|(triangle, _)| mesh.triangle_points(triangle)));
     low.is_finite().then(|| [low + mesh.origin, high + mesh.origin])
+}
+
+/// Returns a warning about objects of a file that lie far from a scene to which they are added;
+/// both are given by their least and greatest corners.
+pub fn far_objects(file: &Path, objects: [DVec3; 2], scene: [DVec3; 2]) -> Option<String> {
+    let apart_m = gap(objects, scene);
+    (apart_m > FAR_PART_M).then(|| {
+        format!(
+            "{} lies {:.0} km from the scene, with nothing between them: give it coordinates of the scene, or {{up}} y \
+             if y points up in it",
+            file.display(),
+            apart_m / 1000.0
+        )
+    })
 }
 
 /// Returns a warning about receivers that lie far from all geometry: `low` and `high` bound all

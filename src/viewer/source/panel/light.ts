@@ -76,7 +76,7 @@ export class LightPanel {
     this.facts.replaceChildren(...rows.flatMap(([name, value]) => [el("dt", { text: name }), el("dd", { text: value })]));
   }
 
-  /** The air of the moment that people are asked about. */
+  /** The air of the moment for people outdoors. */
   showAir({ temperature, humidity, wind, sky }: Air): void {
     const { state } = this.store;
     const own = airOf(state, this.session?.weather ?? null).kind === "own";
