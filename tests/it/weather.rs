@@ -207,6 +207,27 @@ fn daylight_saving_is_ignored() {
     assert!(plain.len() > 72 * 5 * 20 && plain == saving);
 }
 
+/// GHI in kW/m2 under a name without a unit, and GHI on a clock that is eight hours off: each is
+/// reported once, and neither is reported of the same days as they should be.
+#[test]
+fn faint_light_and_light_at_night_are_reported() {
+    let days = days(2021, 6);
+    let table = |share: f64, late: f64| {
+        let mut text = "time,ghi\n".to_owned();
+        for (date, hour) in days.iter().flat_map(|date| (0..24).map(move |hour| (date, hour))) {
+            let ghi = share * (800.0 * ((f64::from(hour) - late - 5.5) / 13.0 * std::f64::consts::PI).sin()).max(0.0);
+            text += &format!("{:04}-{:02}-{:02}T{hour:02}:00+01:00,{ghi:.4}\n", date.year, date.month, date.day);
+        }
+        text
+    };
+    for (share, late, faint, night) in [(1.0, 0.0, 0, 0), (0.001, 0.0, 1, 0), (1.0, 8.0, 0, 1)] {
+        let output = run("replay", "-w", &table(share, late), "--every total --latitude 45 --longitude 8");
+        let said = String::from_utf8_lossy(&output.stderr);
+        let count = |part: &str| said.matches(part).count();
+        assert_eq!((count("if the file holds kW/m2"), count("with the sun below the horizon")), (faint, night), "{said}");
+    }
+}
+
 /// Without any light a file is refused with exit code 2 and the line; with GHI only it is replayed
 /// with a warning that counts the hours with sun, 13 of 24, and the sum of sun and sky on the
 /// horizontal is GHI to 1 W/m2.

@@ -67,7 +67,9 @@ impl Siting<'_> {
         if overhead.is_some_and(|hit| class(hit.triangle) == Class::Ground) {
             return Some(Enclosed::BelowGround);
         }
-        let most = (0..of_material.len()).max_by_key(|i| of_material[*i]);
+        // The ground below a building is not what encloses the point.
+        let rank = |i: &usize| (scene.materials[*i].class == Class::Obstruction, of_material[*i]);
+        let most = (0..of_material.len()).filter(|i| of_material[*i] > 0).max_by_key(rank);
         Some(Enclosed::Inside(most.map_or_else(String::new, |i| scene.materials[i].name.clone())))
     }
 }

@@ -20,6 +20,8 @@ pub enum Finding {
     Negative,
     /// DNI with the sun below the horizon throughout is left out.
     BelowHorizon,
+    /// GHI above [`DARK_GHI_W_M2`] with the sun below the horizon throughout is used unchanged.
+    GhiBelowHorizon,
     /// DNI is above the irradiance outside the atmosphere and is used unchanged.
     AboveExtraterrestrial,
     /// DHI is above GHI by more than 10 % and is used unchanged.
@@ -28,13 +30,17 @@ pub enum Finding {
     ComputedInfrared,
 }
 
-const KINDS: [Finding; 9] = [
+/// Largest GHI of an interval without sun that is no finding, W/m2: twilight gives less.
+pub const DARK_GHI_W_M2: f64 = 10.0;
+
+const KINDS: [Finding; 10] = [
     Finding::ComputedDni,
     Finding::ComputedDhi,
     Finding::SplitGhi,
     Finding::Zeroed,
     Finding::Negative,
     Finding::BelowHorizon,
+    Finding::GhiBelowHorizon,
     Finding::AboveExtraterrestrial,
     Finding::DhiAboveGhi,
     Finding::ComputedInfrared,
@@ -101,6 +107,10 @@ impl Findings {
                 Finding::BelowHorizon => {
                     format!("DNI with the sun below the horizon in {hours} hours, {dni_kwh_m2:.3} kWh/m2, is left out")
                 }
+                Finding::GhiBelowHorizon => format!(
+                    "GHI above {DARK_GHI_W_M2} W/m2 with the sun below the horizon in {hours} hours: check the time zone \
+                     and the time stamps ({{time_zone}}, {{weather_stamp}}, {{shift}})"
+                ),
                 Finding::AboveExtraterrestrial => format!(
                     "DNI above what arrives outside the atmosphere in {hours} hours, {dni_kwh_m2:.3} kWh/m2, is \
                      used unchanged; check these rows"

@@ -12,6 +12,7 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::observer::Observer;
 use heliotile_core::orientation::fan::Orientation;
 use heliotile_core::site::north::North;
+use heliotile_core::text::counted;
 use heliotile_scene::covering::surfaces::Surfaces;
 use heliotile_scene::pv::layout::{Laid, Module, Outline, lay};
 use heliotile_scene::pv::rows::{RowsGround, RowsOfModules, surface_named};
@@ -86,9 +87,10 @@ impl LaidRows {
             }
             if left_out > 0 {
                 observer.warn(&format!(
-                    "{}: the rows `{}`: {left_out} modules are left out: they have no ground below, or an object stands through them",
+                    "{}: the rows `{}`: {} left out: no surface below, or an object passes through",
                     file.display(),
-                    rows.name
+                    rows.name,
+                    counted(left_out as u64, "module")
                 ));
             }
             fields.push(Field { rows, modules, outline, normal });

@@ -31,6 +31,8 @@ pub struct Outline {
 const STEP_M: f64 = 0.05;
 /// Tolerance of rounding, metres.
 const ROUNDING_M: f64 = 1e-6;
+/// Height by which a surface may rise above a module's rear and still only touch it, metres.
+const TOUCHING_M: f64 = 1e-3;
 
 impl Outline {
     /// Returns the outline of a polygon.
@@ -201,9 +203,13 @@ pub fn lay(rows: &RowsOfModules, normal: DVec3, outline: &Outline, below: impl F
     laid
 }
 
+/// Distance between the places of a module at which the surface below is compared with its rear,
+/// metres: thinner obstacles may be missed.
+const SAMPLE_M: f64 = 0.1;
+
 /// Returns the front of a module over its plan, at least the clearance above the surface below each
-/// corner of its rear. `None` without a surface below, or with an obstacle higher than the module's
-/// middle.
+/// corner of its rear. `None` without a surface below, or with an obstacle that is higher than the
+/// rear anywhere, or nearer than the clearance below the middle.
 fn raised(
     plan: &[DVec2; 4],
     up: DVec3,
@@ -221,7 +227,21 @@ fn raised(
     }
     let front = [a.extend(lowest), b.extend(lowest), c.extend(lowest + up.z), d.extend(lowest + up.z)];
     let middle = front.iter().sum::<DVec3>() / 4.0;
-    (below(middle.truncate())? + rows.clearance_m <= middle.z + ROUNDING_M).then_some(front)
+    if below(middle.truncate())? + rows.clearance_m > middle.z + ROUNDING_M {
+        return None;
+    }
+    let steps = |length_m: f64| (length_m / SAMPLE_M).ceil().max(1.0) as usize;
+    let (across, along) = (steps(a.distance(b)), steps(a.distance(d)));
+    for i in 0..=across {
+        for j in 0..=along {
+            let (right, back) = (i as f64 / across as f64, j as f64 / along as f64);
+            let rear_m = lowest + back * up.z - down;
+            if below(a + (b - a) * right + (d - a) * back)? > rear_m + TOUCHING_M {
+                return None;
+            }
+        }
+    }
+    Some(front)
 }
 
 impl Module {
@@ -325,7 +345,7 @@ pub(super) mod tests {
     }
 
     /// Flush on a roof of 30 degrees every corner of the rear is 0.1 m above the roof; where a
-    /// chimney stands, one module is left out.
+    /// chimney or a pipe stands, the one or two modules that it would pass through are left out.
     #[test]
     fn flush_modules_keep_their_distance_to_a_roof() {
         let mut rows = rows(30.0, 180.0, 0.0);
@@ -339,7 +359,10 @@ pub(super) mod tests {
         let off = laid.modules.iter().flat_map(|m| m.front).map(gap);
         let expected = 0.1 + 0.03 * 30.0_f64.to_radians().cos();
         assert!(off.into_iter().all(|off| (off - expected).abs() < 1e-9));
-        let chimney = |p: DVec2| Some(if p.distance(DVec2::new(4.5, 0.866)) < 0.3 { 9.0 } else { plane(p) });
-        assert_eq!(lay(&rows, rows.turn.normal(), &outline, chimney).left_out, 1);
+        // A chimney through the middle of a module, a pipe in its corner, one in the gap to the next.
+        for (x, y, radius, left_out) in [(4.5, 0.866, 0.3, 1), (4.25, 1.3, 0.15, 1), (5.0, 0.866, 0.15, 2)] {
+            let pipe = |p: DVec2| Some(if p.distance(DVec2::new(x, y)) < radius { 9.0 } else { plane(p) });
+            assert_eq!(lay(&rows, rows.turn.normal(), &outline, pipe).left_out, left_out, "{x} {y}");
+        }
     }
 }

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 use crate::weather::closure::Closure;
-use crate::weather::findings::Finding;
+use crate::weather::findings::{DARK_GHI_W_M2, Finding};
 use crate::weather::judging::gaps::{Filled, fill};
 use crate::weather::judging::raw_weather::{RawRow, RawWeather};
 use crate::weather::judging::station::ScenePlace;
@@ -24,6 +24,11 @@ const FARTHEST_CLOCK_HOURS: f64 = 3.0;
 const LARGEST_DIFFUSE_RATIO: f64 = 1.10;
 /// Least DHI to which the ratio applies, W/m2.
 const SMALLEST_JUDGED_DHI_W_M2: f64 = 50.0;
+
+/// Largest irradiance that looks like kW/m2, W/m2: a day of rain gives ten times as much.
+const FAINT_W_M2: f64 = 2.0;
+/// Least number of rows with a high sun whose largest irradiance says something.
+const FAINT_ROWS: usize = 12;
 
 /// Hours of a year that is not a leap year.
 const HOURS_OF_YEAR: f64 = 8760.0;
@@ -90,6 +95,13 @@ pub fn judged(path: &Path, raw: RawWeather, options: &WeatherOptions, scene: Sce
             ahead.abs()
         ));
     }
+    if let Some(largest_w_m2) = faint_day(&done) {
+        report.warnings.push(format!(
+            "{}: the largest irradiance of all rows is {largest_w_m2:.2} W/m2: if the file holds kW/m2, name the unit in \
+             its columns, as in `ghi (kW/m2)`",
+            path.display()
+        ));
+    }
     for (line, sentence) in report.findings.sentences() {
         report.warnings.push(format!("{}, line {line} and on: {sentence}", path.display()));
     }
@@ -121,6 +133,15 @@ fn shift(rows: &mut [RawRow], minutes: f64) {
         row.interval.start_min += minutes;
         row.interval.end_min += minutes;
     }
+}
+
+/// Returns the largest irradiance of the rows if it is below [`FAINT_W_M2`] and there are
+/// [`FAINT_ROWS`] rows or more with a high sun.
+fn faint_day(done: &Judged) -> Option<f64> {
+    let lit = done.iter().filter(|(row, _)| row.sun.z > 0.3).count();
+    let of = |row: &WeatherRow| row.ghi_w_m2.unwrap_or_default().max(row.dni_w_m2).max(row.dhi_w_m2);
+    let largest_w_m2 = done.iter().map(|(row, _)| of(row)).fold(0.0, f64::max);
+    (lit >= FAINT_ROWS && largest_w_m2 > 0.0 && largest_w_m2 < FAINT_W_M2).then_some(largest_w_m2)
 }
 
 fn all_judged(raw: &[RawRow], site: &Location) -> Judged {
@@ -162,6 +183,9 @@ fn judged_row(raw: &RawRow, site: &Location) -> (WeatherRow, Vec<Finding>) {
         } else if dni_w_m2 * raw.interval.hours() > lit_hours * extraterrestrial_w_m2(raw.interval.date) {
             findings.push(Finding::AboveExtraterrestrial);
         }
+    }
+    if raw.ghi.is_some_and(|ghi| ghi > DARK_GHI_W_M2) && site.sunlit_hours(&raw.interval, sun.into()) == 0.0 {
+        findings.push(Finding::GhiBelowHorizon);
     }
     // Only values of the file are compared: computed ones fit by construction.
     if let (Some(ghi), Some(dhi)) = (raw.ghi, raw.dhi)
