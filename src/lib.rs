@@ -59,8 +59,12 @@ pub mod book;
 
 pub use heliotile_atlas::{ReceiverTotal, SiteRequest};
 pub use heliotile_builder::planning::AccuracyRequest;
+pub use heliotile_builder::settings::Quality;
 pub use heliotile_core::error::{Error, Result};
+pub use heliotile_core::memory::MemoryBudget;
 pub use heliotile_core::observer::{Observer, Silent};
-pub use heliotile_results::{CompareRequest, Illumination};
+pub use heliotile_results::outputs::periods::Every;
+pub use heliotile_results::{CompareRequest, Illumination, LightChoice, ReceiverChoice, Tile};
 pub use heliotile_results::{CoverRequest, FileRequest, QueryRequest, ReplayRequest, Resources, SiteArchiveRequest};
 pub use heliotile_scene::request::SceneRequest;
+pub use {heliotile_atlas, heliotile_builder, heliotile_core, heliotile_remote, heliotile_results, heliotile_scene};

@@ -15,7 +15,7 @@
 //! | [`pipeline`] | a prepared scene, receivers | a plan with its forecast, then an archive |
 //! | [`accuracy`] | a target in percent | the cheapest settings that keep within it |
 //! | [`planning`] | a request, weather | settings, effects that may be left out, and the estimates behind both |
-//! | [`reference`] | a prepared scene, a receiver, suns and skies | irradiance from the reference path tracer, with a standard error: no texture, cell or patch |
+//! | [`mod@reference`] | a prepared scene, a receiver, suns and skies | irradiance from the reference path tracer, with a standard error: no texture, cell or patch |
 //! | [`siting`] | a prepared scene, points in it | the ground below a point, a test whether it is inside a solid, its horizon |
 //! | [`held`] | an archive | the triangles, materials, objects and receivers that it was traced from |
 //! | [`transfer`] | archives | parts, unions and differences of archives, without casting a ray |

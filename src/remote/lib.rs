@@ -7,7 +7,7 @@
 //! | [`naming`] | a path or an address | which of the two it is, the name that messages give it |
 //! | [`places`] | a path or an address | the archive there, its bytes |
 //! | [`directory`] | a folder or an address below which objects lie | which files are there, and what small ones hold |
-//! | [`stores`] (feature `stores`) | an address | ranges of an object, all of one version; objects that are published whole |
+//! | `stores` (feature `stores`) | an address | ranges of an object, all of one version; objects that are published whole |
 //!
 //! # What never happens
 //!

@@ -224,7 +224,11 @@ fn faint_light_and_light_at_night_are_reported() {
         let output = run("replay", "-w", &table(share, late), "--every total --latitude 45 --longitude 8");
         let said = String::from_utf8_lossy(&output.stderr);
         let count = |part: &str| said.matches(part).count();
-        assert_eq!((count("if the file holds kW/m2"), count("with the sun below the horizon")), (faint, night), "{said}");
+        assert_eq!(
+            (count("if the file holds kW/m2"), count("with the sun below the horizon")),
+            (faint, night),
+            "{said}"
+        );
     }
 }
 

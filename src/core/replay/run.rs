@@ -57,7 +57,8 @@ pub struct ReplaySettings<'s> {
 
 impl Default for ReplaySettings<'_> {
     /// Returns Perez skies of 577 patches, all light, all components, and 4 GiB. Radiosities that
-    /// do not fit stay in memory all the same.
+    /// do not fit stay in memory all the same. The program takes the number of patches that the
+    /// archive states: `manifest().settings.patches()`.
     fn default() -> Self {
         ReplaySettings {
             sky: SkyModel::Perez,
@@ -173,12 +174,13 @@ impl<'r, 'a> ReplayBuilder<'r, 'a> {
         ReplayBuilder { bands, are_sums, ..self }
     }
 
-    /// Prepares the replay and those of its bands. Returns an error for a number of patches other
-    /// than 145, 577 and 2305, for longwave irradiance without emissions, for cells that do not fit
+    /// Prepares the replay and those of its bands. Returns an error for a condition that is out of
+    /// range, for a number of patches other than 145, 577 and 2305, for longwave irradiance without emissions, for cells that do not fit
     /// together, and for schedules of an archive that was built without diffuse reflections and has
     /// no canopies.
     pub fn build(self) -> Result<Replay<'a>> {
         let (conditions, bands, are_sums) = (self.conditions, self.bands, self.are_sums);
+        conditions.iter().try_for_each(Condition::check)?;
         // All replays work at once, so they share the memory.
         let memory = MemoryBudget::new(self.settings.memory.total() / (1 + bands.len() as u64));
         let settings = ReplaySettings { memory, ..self.settings };

@@ -93,8 +93,28 @@ pub struct Condition {
 }
 
 impl Condition {
+    /// Returns an error if the direction of a sun is not a unit vector above the horizon, or an
+    /// irradiance is negative, too large or not a number.
+    pub fn check(&self) -> Result<()> {
+        let refuse = |what: String, hint: &str| {
+            Err(Error::argument("conditions", format!("condition `{}`: {what}", self.label), hint))
+        };
+        let unit = |direction: DVec3| (direction.length() - 1.0).abs() < 1e-6;
+        if let Some(wrong) = self.suns.iter().find(|instant| !unit(instant.sun) || instant.sun.z <= 0.0) {
+            let what = format!("the sun's direction is {}", wrong.sun);
+            return refuse(what, "give a unit vector above the horizon, x east, y true north, z up");
+        }
+        for (name, value) in [("DNI", self.dni_w_m2), ("DHI", self.dhi_w_m2)] {
+            if !(0.0..=MAX_IRRADIANCE_W_M2).contains(&value) {
+                let what = format!("{name} is {value} W/m2");
+                return refuse(what, "give a number from 0 to 1000000");
+            }
+        }
+        if unit(self.sky_sun) { Ok(()) } else { refuse(format!("`sky_sun` is {}", self.sky_sun), "give a unit vector") }
+    }
+
     /// Returns a condition with equally weighted suns (those above the horizon); `below` is the
-    /// sun's direction if there is none.
+    /// sun's direction if there is none. Directions are unit vectors, x east, y true north, z up.
     pub fn new(label: String, suns: &[DVec3], below: DVec3, dni_w_m2: f64, dhi_w_m2: f64) -> Self {
         let up: Vec<DVec3> = suns.iter().copied().filter(|s| s.z > 0.0).collect();
         let weight = 1.0 / up.len().max(1) as f64;

@@ -31,7 +31,7 @@ pub enum Finding {
 }
 
 /// Largest GHI of an interval without sun that is no finding, W/m2: twilight gives less.
-pub const DARK_GHI_W_M2: f64 = 10.0;
+pub const DARK_GHI_W_M2: f64 = 20.0;
 
 const KINDS: [Finding; 10] = [
     Finding::ComputedDni,

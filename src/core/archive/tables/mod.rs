@@ -93,7 +93,7 @@ macro_rules! table {
 
             /// Returns the raw bytes of a block, if all values are in range.
             pub fn to_bytes(&self) -> crate::error::Result<Vec<u8>> {
-                let what = format!("writing a table of {}", stringify!($name).to_lowercase());
+                let what = format!("writing a table of {}", stringify!($name).trim_end_matches("Table").to_lowercase());
                 let refuse = |flaw: crate::archive::tables::Flaw| flaw.refuse(what);
                 if let Err(flaw) = self.check() {
                     return Err(refuse(flaw));

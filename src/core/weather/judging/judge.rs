@@ -28,7 +28,7 @@ const SMALLEST_JUDGED_DHI_W_M2: f64 = 50.0;
 /// Largest irradiance that looks like kW/m2, W/m2: a day of rain gives ten times as much.
 const FAINT_W_M2: f64 = 2.0;
 /// Least number of rows with a high sun whose largest irradiance says something.
-const FAINT_ROWS: usize = 12;
+const FAINT_ROWS: usize = 100;
 
 /// Hours of a year that is not a leap year.
 const HOURS_OF_YEAR: f64 = 8760.0;
@@ -184,7 +184,11 @@ fn judged_row(raw: &RawRow, site: &Location) -> (WeatherRow, Vec<Finding>) {
             findings.push(Finding::AboveExtraterrestrial);
         }
     }
-    if raw.ghi.is_some_and(|ghi| ghi > DARK_GHI_W_M2) && site.sunlit_hours(&raw.interval, sun.into()) == 0.0 {
+    // Where the file states DNI too, the closure finds a wrong clock.
+    if raw.dni.is_none()
+        && raw.ghi.is_some_and(|ghi| ghi > DARK_GHI_W_M2)
+        && site.sunlit_hours(&raw.interval, sun.into()) == 0.0
+    {
         findings.push(Finding::GhiBelowHorizon);
     }
     // Only values of the file are compared: computed ones fit by construction.
