@@ -6,8 +6,8 @@
 //! The check is built with the chosen settings and compared with the independent [reference path
 //! tracer](crate::reference), in all hours and in those when the sun lights what receivers see but
 //! not the receivers. If the total or reflected light alone exceeds the target there, finer
-//! settings are chosen by the errors found for each source. Nothing depends on the machine, so the same site
-//! and target give the same settings and the same archive.
+//! settings are chosen by the errors found for each source. Nothing depends on the machine, so the
+//! same site and target give the same settings and the same archive.
 
 pub mod conditions;
 pub mod estimate;

@@ -175,9 +175,9 @@ impl<'r, 'a> ReplayBuilder<'r, 'a> {
     }
 
     /// Prepares the replay and those of its bands. Returns an error for a condition that is out of
-    /// range, for a number of patches other than 145, 577 and 2305, for longwave irradiance without emissions, for cells that do not fit
-    /// together, and for schedules of an archive that was built without diffuse reflections and has
-    /// no canopies.
+    /// range, for a number of patches other than 145, 577 and 2305, for longwave irradiance without
+    /// emissions, for cells that do not fit together, and for schedules of an archive that was
+    /// built without diffuse reflections and has no canopies.
     pub fn build(self) -> Result<Replay<'a>> {
         let (conditions, bands, are_sums) = (self.conditions, self.bands, self.are_sums);
         conditions.iter().try_for_each(Condition::check)?;

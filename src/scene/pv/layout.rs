@@ -359,7 +359,7 @@ pub(super) mod tests {
         let off = laid.modules.iter().flat_map(|m| m.front).map(gap);
         let expected = 0.1 + 0.03 * 30.0_f64.to_radians().cos();
         assert!(off.into_iter().all(|off| (off - expected).abs() < 1e-9));
-        // A chimney through the middle of a module, a pipe in its corner, one in the gap to the next.
+        // A chimney in the middle of a module, a pipe near its corner, one between two modules.
         for (x, y, radius, left_out) in [(4.5, 0.866, 0.3, 1), (4.25, 1.3, 0.15, 1), (5.0, 0.866, 0.15, 2)] {
             let pipe = |p: DVec2| Some(if p.distance(DVec2::new(x, y)) < radius { 9.0 } else { plane(p) });
             assert_eq!(lay(&rows, rows.turn.normal(), &outline, pipe).left_out, left_out, "{x} {y}");
