@@ -185,8 +185,8 @@ impl Engine {
         let opened = Opened::of(name, bytes)?;
         let place = opened.archive.manifest().place;
         if beside.is_some_and(|beside| !beside.is_of(place.as_ref())) {
-            let what = place
-                .map_or("the archive states no place".into(), |place| format!("the archive lies at {place}"));
+            let what =
+                place.map_or("the archive states no place".into(), |place| format!("the archive lies at {place}"));
             return Err(Failure::new(Kind::OtherPlace, what, ""));
         }
         let site = Site::of(&opened, bytes);
