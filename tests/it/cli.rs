@@ -131,6 +131,23 @@ fn both_ways_of_reading_agree() {
     folder.refused("info site.helio --io mmap", &["mmap", "map", "pread"]);
 }
 
+/// `info --weather` states 8760 hours and 1619.948 kWh/m2 of GHI for Golden, the sum of its column,
+/// and 52.730 for December. A scene there, and a weather file without its option, are refused with
+/// the command to give.
+#[test]
+fn info_of_weather_states_sums_of_months() {
+    let folder = Folder::new();
+    let golden = format!("{}/tests/data/weather/golden_tmy3.epw", crate::ROOT);
+    let said = stdout(&folder.run(&format!("info --weather {golden}")));
+    let line = |start: &str| said.lines().find(|line| line.starts_with(start)).map(str::split_whitespace);
+    let cells = |start: &str, skip: usize| line(start).into_iter().flatten().skip(skip).collect::<Vec<_>>();
+    assert_eq!(cells("  all ", 1), ["8760", "1619.948", "1866.531", "577.938"], "{said}");
+    assert_eq!(cells("  month 12 ", 2), ["744", "52.730", "72.060", "29.018"], "{said}");
+    folder.write("a.obj", "v 0 0 0\n");
+    folder.refused("info --weather a.obj", &["a.obj: is a scene (OBJ), not weather"]);
+    folder.refused(&format!("info {golden}"), &["is weather (EPW)", "heliotile info --weather"]);
+}
+
 /// `info` names all 7 layers, the counts and the 12 settings as `--set` takes them. `verify` finds
 /// nothing in a good archive and the damaged block in a bad one, and warns of 99 bytes behind the
 /// end of one.

@@ -13,6 +13,7 @@ mod erbs;
 pub mod findings;
 pub mod formats;
 mod judging;
+pub mod monthly;
 pub mod options;
 pub mod row;
 pub mod series;

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::{ArgGroup, Args, Subcommand};
 
 use super::values::{Bytes, SelectionArgs, choice, parse_memory};
-use super::{FootprintArgs, MaterialsArgs, PlaceArgs, RasterArgs, SceneArgs};
+use super::{ClockArgs, FootprintArgs, MaterialsArgs, PlaceArgs, RasterArgs, SceneArgs};
 use heliotile_atlas::VerifyRequest;
 use heliotile_core::archive::Access;
 use heliotile_results::RepairRequest;
@@ -91,8 +91,13 @@ pub enum StoreCommand {
 #[derive(Args, Debug)]
 pub struct InfoArgs {
     /// Archive or atlas to describe (a path or an address), or scene files as for `build`
-    #[arg(required_unless_present = "dsm", value_name = "SITE.helio|SCENE")]
+    #[arg(required_unless_present_any = ["dsm", "weather"], value_name = "SITE.helio|SCENE")]
     pub files: Vec<PathBuf>,
+    /// Weather file to describe: its place, clock and irradiation by month as `replay` reads them
+    #[arg(long, short, conflicts_with_all = ["files", "dsm"], value_name = "FILE")]
+    pub weather: Option<PathBuf>,
+    #[command(flatten)]
+    pub about_weather: ClockArgs,
     #[command(flatten)]
     pub rasters: RasterArgs,
     #[command(flatten)]

@@ -3,7 +3,7 @@
 
 use std::fmt::Write;
 
-use super::{Outcome, say, scene, warn};
+use super::{Outcome, say, scene, warn, weather};
 use crate::cli::{InfoArgs, MaterialsArgs, VerifyArgs, worded_text};
 use heliotile_atlas::{Atlas, about};
 use heliotile_builder::planning::tables::in_hours;
@@ -24,16 +24,11 @@ use heliotile_scene::request::SceneRequest;
 /// Number of settings in the first of two lines.
 const SETTINGS_A_LINE: usize = 7;
 
-/// Appends one line of text.
-macro_rules! line {
-    ($out:ident, $($part:tt)*) => {
-        // Writing to a string cannot fail.
-        let _ = writeln!($out, $($part)*);
-    };
-}
-
 /// `heliotile info`.
 pub fn info(args: &InfoArgs) -> Result<Outcome> {
+    if let Some(file) = &args.weather {
+        return weather::info(file, &args.about_weather, args.place.latitude.zip(args.place.longitude));
+    }
     if let [place] = args.files.as_slice()
         && let Some(atlas) = Atlas::find(place)?
     {

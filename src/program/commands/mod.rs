@@ -1,6 +1,14 @@
 //! The commands of the program. In: parsed arguments. Out: requests that the library runs, and
 //! their results printed. No physics here.
 
+/// Appends one line of text.
+macro_rules! line {
+    ($out:ident, $($part:tt)*) => {
+        // Writing to a string cannot fail.
+        let _ = writeln!($out, $($part)*);
+    };
+}
+
 pub mod atlas;
 pub mod audit;
 pub mod build;
@@ -25,6 +33,7 @@ pub mod tradeoff;
 pub mod transfer;
 pub mod update;
 pub mod view;
+mod weather;
 
 use std::path::{Path, PathBuf};
 

@@ -13,14 +13,6 @@ use heliotile_scene::covering::surfaces::Surfaces;
 use heliotile_scene::semantics::SurfaceKind;
 use heliotile_scene::site::Site;
 
-/// Appends one line of text.
-macro_rules! line {
-    ($out:ident, $($part:tt)*) => {
-        // Writing to a string cannot fail.
-        let _ = writeln!($out, $($part)*);
-    };
-}
-
 /// `heliotile info` of scene files.
 pub fn info(site: &Site) -> Result<Outcome> {
     let (scene, soup) = Scene::load_with_objects(site)?;

@@ -83,6 +83,9 @@ impl Wanted {
                 format!("trace the scene to an archive first: heliotile run {file} --weather WEATHER.epw")
             }
             (Wanted::Conditions, Kind::Weather(_)) => format!("heliotile replay SITE.helio --weather {file}"),
+            (Wanted::SceneOrArchive, Kind::Weather(_)) => {
+                format!("describe weather by: heliotile info --weather {file}")
+            }
             (_, Kind::Weather(_)) => format!("give weather with its option: --weather {file}"),
             (_, Kind::Receivers) => format!("give receivers with their option: --receivers {file}"),
             (_, Kind::Conditions) => format!("heliotile query SITE.helio --conditions {file}"),

@@ -189,6 +189,7 @@ impl<'a> Files<'a> {
                 args.files.iter().for_each(|file| self.read(file, Wanted::SceneOrArchive));
                 args.rasters.files().for_each(|file| self.read(file, Wanted::Scene));
                 self.read_if(&args.surfaces.materials, Wanted::Other);
+                self.read_if(&args.weather, Wanted::Weather);
             }
             Command::Verify(args) => self.read(&args.archive, Wanted::Archive),
             Command::Repair(args) => {
