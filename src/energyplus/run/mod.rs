@@ -124,6 +124,23 @@ pub(super) struct Targets {
     pub partly: Vec<PartlyHidden>,
 }
 
+impl Targets {
+    /// Returns the number of surfaces with light of their own: those of the report's table.
+    pub(super) fn own(&self) -> usize {
+        let numbers: BTreeSet<usize> = self.list.iter().filter_map(|(_, number)| *number).collect();
+        numbers.len()
+    }
+
+    /// Words the other surfaces, for a sentence on the first ones.
+    pub(super) fn others(&self) -> String {
+        let words = |count: usize, what: &str| match count {
+            0 => String::new(),
+            count => format!(", {} {what}", counted(count as u64, "surface")),
+        };
+        [words(self.by_wall.len(), "that of their wall"), words(self.hidden.len(), "none (hidden)")].concat()
+    }
+}
+
 /// A surface a part of which is hidden.
 pub(super) struct PartlyHidden {
     pub name: String,
@@ -286,6 +303,7 @@ fn run(task: &Task) -> Result<()> {
             document,
             weather,
             &task.request.folder.join("energyplus"),
+            &areas(&covered),
             task.resources.observer,
         )?);
     }
@@ -458,10 +476,11 @@ fn write_document(path: &Path, document: &Document) -> Result<()> {
 
 fn summary(files: &Files, targets: &Targets, changed: &Changed) -> String {
     format!(
-        "{}: {} get reflected light from {}; {} lists them\nenergyplus -w WEATHER.epw -d results {}\n",
+        "{}: {} get reflected light from {}{}; {} lists them\nenergyplus -w WEATHER.epw -d results {}\n",
         files.model.display(),
-        counted(targets.list.len() as u64, "surface"),
+        counted(targets.own() as u64, "surface"),
         counted(changed.tables as u64, "table"),
+        targets.others(),
         files.model.with_file_name(REPORT[0]).display(),
         files.model.display()
     )
