@@ -15,6 +15,9 @@ const STEPS_S: std::ops::RangeInclusive<i64> = 60..=3600;
 
 const DAY_S: i64 = 86_400;
 
+/// Zones that are no whole hours ahead of UTC, seconds.
+const HALF_HOUR_ZONES_S: [i64; 9] = [-34_200, -12_600, -9_000, 12_600, 16_200, 19_800, 23_400, 34_200, 37_800];
+
 /// Rows with their time stamps.
 pub struct StampedRows {
     /// Rows whose intervals are not yet known.
@@ -50,8 +53,9 @@ struct Missing {
 
 impl StampedRows {
     /// Finds the step, which is the most common time from row to row, and with it the intervals.
-    pub fn stepped(self, path: &Path) -> Result<SteppedRows> {
+    pub fn stepped(mut self, path: &Path) -> Result<SteppedRows> {
         let step = self.step(path)?;
+        self.join_months(step);
         let missing = self.check_order(path, step)?;
         let back = self.back(step);
         let StampedRows { mut rows, seconds, stamped_at, late_min, .. } = self;
@@ -69,12 +73,57 @@ impl StampedRows {
         Ok(SteppedRows { rows, step_min, warning: missing.sentence(path, step) })
     }
 
+    /// Returns the place of stamps that cannot be starts, and the seconds from them to this place: all
+    /// at half a step are middles, all a minute or a second before a step are ends. `is_utc` says
+    /// that the stamps are in UTC, where the hours of zones of half hours start at half past.
+    pub fn place_by_clock(&self, path: &Path, is_utc: bool) -> Result<Option<(StampedAt, i64)>> {
+        let step = self.step(path)?;
+        let mut rests = self.seconds.iter().map(|at| (at - self.moved_s).rem_euclid(step));
+        let Some(rest) = rests.next().filter(|first| rests.all(|rest| rest == *first)) else { return Ok(None) };
+        let first_s = self.seconds.first().map_or(0, |at| (at - self.moved_s).rem_euclid(DAY_S));
+        if is_utc && first_s != rest && HALF_HOUR_ZONES_S.contains(&((DAY_S - first_s + DAY_S / 2) % DAY_S - DAY_S / 2))
+        {
+            return Ok(None);
+        }
+        Ok(match step - rest {
+            1 => Some((StampedAt::End, 1)),
+            60 if step > 120 => Some((StampedAt::End, 60)),
+            half if 2 * half == step => Some((StampedAt::Middle, 0)),
+            _ => None,
+        })
+    }
+
+    /// Gives the last hours of a month the year of its other hours. A typical year that was put
+    /// together in UTC has the year of the next month there, in the file's own clock.
+    fn join_months(&mut self, step: i64) {
+        let back = self.back(step) + self.moved_s;
+        let mut joined: Option<(i64, Date)> = None;
+        for row in 1..self.seconds.len() {
+            let [Some(before), Some(date)] = [row - 1, row].map(|row| date_of(self.seconds[row] - back)) else {
+                return;
+            };
+            let apart = self.seconds[row] - self.seconds[row - 1];
+            if joined.is_none_or(|(_, last)| (last.year, last.month) != (date.year, date.month)) {
+                let moved = Date::new(before.year, date.month, date.day).filter(|_| before.year != date.year);
+                let moved_s = moved.map(|moved| i64::from(moved.day_number() - date.day_number()) * DAY_S);
+                // Within one day the clock goes on, and only the year jumps.
+                joined = moved_s
+                    .filter(|moved_s| before.month == date.month && apart != step && apart + moved_s == step)
+                    .map(|moved_s| (moved_s, date));
+            }
+            if let Some((moved_s, _)) = joined {
+                self.seconds[row] += moved_s;
+            }
+        }
+    }
+
     /// Returns the seconds before its stamp at which a row counts to a day.
     fn back(&self, step: i64) -> i64 {
         if self.stamped_at == StampedAt::End && self.day_of_start { step } else { 0 }
     }
 
-    fn step(&self, path: &Path) -> Result<i64> {
+    /// Returns the most common time from row to row, seconds.
+    pub fn step(&self, path: &Path) -> Result<i64> {
         let mut counts = BTreeMap::<i64, usize>::new();
         for (before, after) in self.seconds.iter().zip(self.seconds.iter().skip(1)) {
             *counts.entry(after - before).or_default() += 1;

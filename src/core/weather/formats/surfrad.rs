@@ -75,7 +75,15 @@ pub(super) fn read(path: &Path, bytes: &[u8], options: &WeatherOptions) -> Resul
     // A daily file starts with 00:00.
     let stamped = StampedRows { rows, seconds, stamped_at, day_of_start: false, late_min: 0.0, moved_s: ahead };
     let SteppedRows { rows, step_min, warning } = stamped.stepped(path)?;
-    Ok(RawWeather { station, rows, air, step_min, stamped_at, warnings: warning.into_iter().collect() })
+    Ok(RawWeather {
+        station,
+        rows,
+        air,
+        step_min,
+        stamped_at,
+        zenith_deg: Vec::new(),
+        warnings: warning.into_iter().collect(),
+    })
 }
 
 fn station(path: &Path, name: &str, place: &str) -> Result<Station> {

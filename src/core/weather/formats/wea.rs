@@ -72,7 +72,15 @@ pub(super) fn read(path: &Path, bytes: &[u8], options: &WeatherOptions) -> Resul
     let warnings = stepped.warning.into_iter().chain([warning]).collect();
     // A .wea file holds no air.
     let air = if options.with_air { vec![Air::default(); stepped.rows.len()] } else { Vec::new() };
-    Ok(RawWeather { station, rows: stepped.rows, air, step_min: stepped.step_min, stamped_at, warnings })
+    Ok(RawWeather {
+        station,
+        rows: stepped.rows,
+        air,
+        step_min: stepped.step_min,
+        stamped_at,
+        zenith_deg: Vec::new(),
+        warnings,
+    })
 }
 
 /// Reads a line above the rows.

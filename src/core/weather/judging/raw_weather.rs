@@ -30,6 +30,9 @@ pub struct RawWeather {
     pub step_min: f64,
     /// Place in its interval where each row's time stamp was taken to stand.
     pub stamped_at: StampedAt,
+    /// `[row]`: zenith angle of the sun at its time stamp; empty if the file has no such column, or if
+    /// the place of stamps is known without it.
+    pub zenith_deg: Vec<Option<f64>>,
     /// Warnings of the reader, each a sentence that names the file.
     pub warnings: Vec<String>,
 }
@@ -61,6 +64,9 @@ impl RawRow {
     }
 }
 
+/// Codes for a missing irradiance that lie above those of thousands: -99, -99.9, -99.99.
+pub const MISSING_99: std::ops::RangeInclusive<f64> = -99.999..=-99.0;
+
 /// Reads GHI, DNI or DHI from a cell; `None` where the number is `missing`, an error where it is no
 /// irradiance. A number a little below 0 becomes 0 and sets `negative`.
 pub fn irradiance(
@@ -70,7 +76,7 @@ pub fn irradiance(
     bad: impl FnOnce() -> Error,
 ) -> Result<Option<f64>> {
     match text.parse::<f64>() {
-        Ok(value) if missing(value) => Ok(None),
+        Ok(value) if missing(value) || MISSING_99.contains(&value) => Ok(None),
         Ok(value) => irradiance_of(value, negative).map(Some).ok_or_else(bad),
         Err(_) => Err(bad()),
     }

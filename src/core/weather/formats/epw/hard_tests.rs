@@ -139,7 +139,7 @@ fn impossible_values_are_used_and_counted() {
     assert!(lit > 0.0 && lit < 0.1, "{lit}");
     let tally = w.report.findings.of(Finding::AboveExtraterrestrial);
     assert_eq!((tally.rows, tally.first_line), (2, 20));
-    assert!((tally.dni_kwh_m2 - 1.7).abs() < 1e-12);
+    assert!((tally.kwh_m2 - 1.7).abs() < 1e-12);
     assert_eq!((w.rows[11].dni_w_m2, last.dni_w_m2), (1400.0, 300.0));
     assert_eq!(w.report.findings.of(Finding::DhiAboveGhi).rows, 1);
 }
@@ -170,7 +170,7 @@ fn dni_in_the_polar_night_is_counted() {
     let w = file(&format!("{text}DATA PERIODS,1,1\n{rows}")).expect("valid");
     let lost = w.report.findings.of(Finding::BelowHorizon);
     assert_eq!(lost.hours, 24.0);
-    assert!((lost.dni_kwh_m2 - 0.24).abs() < 1e-12);
+    assert!((lost.kwh_m2 - 0.24).abs() < 1e-12);
     assert_eq!(w.report.warnings.len(), 2, "the cut and the lost energy");
     assert!(w.conditions(3).iter().all(|c| c.suns.is_empty() && c.sky_sun.is_finite()));
 }
