@@ -1,7 +1,7 @@
 //! Columns of results about the sun on days. In: a request, answers of a place. Out: the numbers of
 //! its rows.
 
-use super::clock::ClockZone;
+use heliotile_core::weather::time::clock_zone::ClockZone;
 use super::days::DayPlan;
 use super::places::{AnswerItem, Asked, DateRows};
 use super::rule::Threshold;

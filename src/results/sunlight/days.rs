@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use super::calendar::DaySpan;
-use super::clock::ClockZone;
+use heliotile_core::weather::time::clock_zone::ClockZone;
 use super::rule::{ClockHours, Rule, RuleClock, RuleMeasure};
 use rayon::prelude::*;
 

@@ -6,7 +6,6 @@
 //! and screens block nothing.
 
 mod calendar;
-mod clock;
 mod columns;
 mod days;
 mod exact;
@@ -22,7 +21,7 @@ mod rule;
 mod rule_files;
 
 pub use calendar::DaySpan;
-pub use clock::ClockZone;
+pub use heliotile_core::weather::time::clock_zone::ClockZone;
 pub use glare::GlareChoice;
 pub use pass::SunlightSite;
 pub use request::{RuleCount, SunlightDone, SunlightRequest};

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::calendar::DaySpan;
-use super::clock::ClockZone;
+use heliotile_core::weather::time::clock_zone::ClockZone;
 use super::days::{DayPlan, SunnyHours};
 use super::glare::GlareChoice;
 use super::places::{Asked, DateRows};
@@ -240,7 +240,7 @@ impl SunlightRequest {
                 "the archive has no place: the sun is calculated for the place of the weather file, {place}"
             ));
         }
-        let of_weather = weather.as_ref().map(|weather| ClockZone::Fixed(UtcOffset::of_hours(weather.site.zone_hours)));
+        let of_weather = weather.as_ref().map(|weather| ClockZone::Hours(weather.site.zone_hours));
         let zone = self.zone.clone().or(of_weather).unwrap_or_else(|| {
             let zone = ClockZone::of_longitude(place.longitude_deg);
             resources

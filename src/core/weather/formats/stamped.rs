@@ -8,6 +8,7 @@ use crate::error::{Error, Result};
 use crate::weather::judging::raw_weather::RawRow;
 use crate::weather::options::StampedAt;
 use crate::weather::time::calendar::Date;
+use crate::weather::time::clock_zone::ClockZone;
 use crate::weather::time::sun::Interval;
 
 /// Steps that a series of weather may have, seconds.
@@ -32,6 +33,24 @@ pub struct StampedRows {
     pub late_min: f64,
     /// Shift of the first stamp from the file's clock to another one, seconds.
     pub moved_s: i64,
+    /// Clock that bounds days where it is not that of `seconds`.
+    pub legal: Option<LegalDays>,
+}
+
+/// Days of a clock with summer time, for stamps in its standard time.
+#[derive(Clone, Copy)]
+pub struct LegalDays {
+    pub zone: ClockZone,
+    /// Hours that the standard time of the stamps is ahead of UTC.
+    pub standard_hours: f64,
+}
+
+impl LegalDays {
+    /// Returns the seconds that the legal clock is ahead of a moment of standard time.
+    fn ahead_s(self, at: i64) -> i64 {
+        let standard_s = (self.standard_hours * 3600.0).round() as i64;
+        self.zone.offset_s(at - standard_s) - standard_s
+    }
 }
 
 /// Rows with their intervals.
@@ -58,16 +77,18 @@ impl StampedRows {
         self.join_months(step);
         let missing = self.check_order(path, step)?;
         let back = self.back(step);
-        let StampedRows { mut rows, seconds, stamped_at, late_min, .. } = self;
+        let StampedRows { mut rows, seconds, stamped_at, late_min, legal, .. } = self;
         let step_min = step as f64 / 60.0;
         let before_min = stamped_at.share_before() * step_min - back as f64 / 60.0;
         for (row, at) in rows.iter_mut().zip(seconds) {
             let at = at - back;
-            let Some(date) = date_of(at) else {
+            let ahead_s = legal.map_or(0, |legal| legal.ahead_s(at));
+            let Some(date) = date_of(at + ahead_s) else {
                 let what = "the time stamp lies in no year from 1 to 2999";
                 return Err(Error::input(path, row.line, what, "correct the time stamp"));
             };
-            let start_min = at.rem_euclid(DAY_S) as f64 / 60.0 - before_min + late_min;
+            let into_day_s = (at + ahead_s).rem_euclid(DAY_S) - ahead_s;
+            let start_min = into_day_s as f64 / 60.0 - before_min + late_min;
             row.interval = Interval { date, start_min, end_min: start_min + step_min };
         }
         Ok(SteppedRows { rows, step_min, warning: missing.sentence(path, step) })

@@ -67,7 +67,7 @@ pub(super) fn read(path: &Path, bytes: &[u8], options: &WeatherOptions) -> Resul
     let warning =
         format!("{}: {} rows state no year and are read as rows of {}", path.display(), rows.len(), Date::NO_YEAR);
     let stamped_at = options.stamped_at.unwrap_or(StampedAt::Middle);
-    let stamped = StampedRows { rows, seconds, stamped_at, day_of_start: true, late_min: 0.0, moved_s: 0 };
+    let stamped = StampedRows { rows, seconds, stamped_at, day_of_start: true, late_min: 0.0, moved_s: 0, legal: None };
     let stepped: SteppedRows = stamped.stepped(path)?;
     let warnings = stepped.warning.into_iter().chain([warning]).collect();
     // A .wea file holds no air.

@@ -15,6 +15,8 @@ use crate::weather::judging::zenith::place_by_zenith;
 use crate::weather::options::{TimeShift, WeatherOptions};
 use crate::weather::row::WeatherRow;
 use crate::weather::series::{Weather, WeatherReport};
+use crate::weather::time::calendar::Date;
+use crate::weather::time::clock_zone::ClockZone;
 use crate::weather::time::sun::{Interval, Location, extraterrestrial_w_m2};
 
 /// Largest difference between a clock and the sun, hours. No place on Earth has more; the west of
@@ -46,7 +48,8 @@ type Judged = Vec<(WeatherRow, Vec<Finding>)>;
 /// whole.
 pub fn judged(path: &Path, raw: RawWeather, options: &WeatherOptions, scene: ScenePlace) -> Result<Weather> {
     let RawWeather { station, mut rows, air, step_min, stamped_at, zenith_deg, mut warnings } = raw;
-    let (site, note) = station.location(path, options, scene)?;
+    let year = rows.first().map_or(Date::NO_YEAR, |row| row.interval.date.year);
+    let (site, note) = station.location(path, options, year, scene)?;
     let mut report = WeatherReport::default();
     report.warnings.extend(note);
     let by_zenith = place_by_zenith(&rows, &zenith_deg, &site, stamped_at);
@@ -105,7 +108,7 @@ pub fn judged(path: &Path, raw: RawWeather, options: &WeatherOptions, scene: Sce
     let ahead = site.hours_ahead_of_clock();
     // No warning is needed with a shift, because the user knows that the clock is wrong; if the
     // user states UTC; or if the light fits the sun.
-    let says_utc = options.zone_hours == Some(0.0);
+    let says_utc = options.zone == Some(ClockZone::Hours(0.0));
     let is_known = moved_min != 0.0 || station.zone_is_certain || says_utc;
     let fits = report.closure.is_some_and(|closure| closure.holds());
     if ahead.abs() > FARTHEST_CLOCK_HOURS && !is_known && !fits {

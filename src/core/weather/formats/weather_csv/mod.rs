@@ -5,6 +5,8 @@
 //! lines that services write above them. Cells are separated by commas, semicolons, tabs or blanks.
 //! Light is missing if its cell is empty, a word for missing, at most -900 or at least 9999.
 
+#[cfg(test)]
+mod case_tests;
 mod cells;
 mod columns;
 mod head;
@@ -30,10 +32,11 @@ use crate::error::{Error, Result};
 use crate::text::excerpt;
 use crate::weather::air::Air;
 use crate::weather::formats::date_text::{ColumnOrder, OrderFinder};
-use crate::weather::formats::stamped::{StampedRows, SteppedRows};
+use crate::weather::formats::stamped::{LegalDays, StampedRows, SteppedRows};
 use crate::weather::judging::raw_weather::{RawRow, RawWeather};
 use crate::weather::options::{DateOrder, StampedAt, WeatherOptions};
 use crate::weather::time::calendar::Date;
+use crate::weather::time::clock_zone::{ClockZone, LocalOffset};
 
 use cells::{Cells, SHOWN, cell};
 use columns::{Columns, OutOfRange};
@@ -149,7 +152,7 @@ impl<'a> Rows<'a> {
             columns,
             moments,
             options,
-            zone_hours: options.zone_hours,
+            zone_hours: None,
             stamps_say: None,
             moved_s: 0,
             ends_day: false,
@@ -220,13 +223,48 @@ impl<'a> Rows<'a> {
                 return Err(Error::input(self.path, cells.line, what, "give rows at one step"));
             }
         }
-        let Some(said) = said else { return Ok(seconds) };
-        let zone = *self.zone_hours.get_or_insert(said);
+        let year = Date::of_day_number((seconds / 86_400) as i32).map_or(Date::NO_YEAR, |date| date.year);
+        let asked = self.options.zone.map(|zone| zone.standard_hours(year));
+        let Some(said) = said else {
+            self.zone_hours = self.zone_hours.or(asked);
+            return self.by_standard_time(cells, seconds);
+        };
+        let zone = *self.zone_hours.get_or_insert(asked.unwrap_or(said));
         let moved_s = ((zone - said) * 3600.0).round() as i64;
         if self.seconds.is_empty() {
             self.moved_s = moved_s;
         }
         Ok(seconds + moved_s)
+    }
+
+    /// Returns the seconds by standard time of a stamp without an offset. Files of services keep
+    /// standard time; any other file keeps the legal time of a zone that the user names.
+    fn by_standard_time(&mut self, cells: &Cells, seconds: i64) -> Result<i64> {
+        let (Some(zone @ ClockZone::Named(_)), Kind::Plain, Some(hours)) =
+            (self.options.zone, self.head.kind, self.zone_hours)
+        else {
+            return Ok(seconds);
+        };
+        let standard_s = (hours * 3600.0).round() as i64;
+        let by = |offset_s: i64| seconds - offset_s + standard_s;
+        let found = match zone.offset_at_local(seconds) {
+            LocalOffset::Once(offset_s) => by(offset_s),
+            // The first of the two hours is followed by the second.
+            LocalOffset::Twice(first_s, then_s) => {
+                let first = by(first_s);
+                if self.seconds.last().is_some_and(|last| *last >= first) { by(then_s) } else { first }
+            }
+            LocalOffset::Never => {
+                let what = format!("the clock of {zone} never shows this time, because summer time begins");
+                let hint =
+                    "if the file keeps standard time in summer, too, state its zone in hours: {time_zone} +01:00";
+                return Err(Error::input(self.path, cells.line, what, hint));
+            }
+        };
+        if self.seconds.is_empty() {
+            self.moved_s = found - seconds;
+        }
+        Ok(found)
     }
 
     /// Returns the place of a stamp in its interval: first as the user says, then as the names of
@@ -275,7 +313,15 @@ impl<'a> Rows<'a> {
         let named = self.are_starts || self.moments.columns.at.is_some();
         let is_default = options.stamped_at.is_none() && head.kind == Kind::Plain && stamped_at == StampedAt::Start;
         let is_default = is_default && !named;
-        let mut stamped = StampedRows { rows, seconds, stamped_at, day_of_start: true, late_min, moved_s };
+        let legal = match (options.zone, self.zone_hours) {
+            (Some(zone @ ClockZone::Named(_)), Some(hours))
+                if self.stamps_say == Some(true) || head.kind == Kind::Plain =>
+            {
+                Some(LegalDays { zone, standard_hours: hours })
+            }
+            _ => None,
+        };
+        let mut stamped = StampedRows { rows, seconds, stamped_at, day_of_start: true, late_min, moved_s, legal };
         let mut by_clock = None;
         if is_default && let Some((at, add_s)) = stamped.place_by_clock(path, self.zone_hours == Some(0.0))? {
             stamped.stamped_at = at;
