@@ -23,7 +23,6 @@ use heliotile_core::weather::conditions::Stamp;
 use heliotile_core::weather::options::WeatherOptions;
 use heliotile_core::weather::time::calendar::Date;
 use heliotile_core::weather::time::sun::Location;
-use heliotile_core::weather::time::utc_offset::UtcOffset;
 use heliotile_core::weather::time::years::Years;
 
 /// Request for minutes of possible sun on days, or for the verdicts of rules.

@@ -64,7 +64,7 @@ impl RawRow {
     }
 }
 
-/// Codes for a missing irradiance that lie above those of thousands: -99, -99.9, -99.99.
+/// Codes for a missing irradiance in tables that lie above those of thousands: -99, -99.9, -99.99.
 pub const MISSING_99: std::ops::RangeInclusive<f64> = -99.999..=-99.0;
 
 /// Reads GHI, DNI or DHI from a cell; `None` where the number is `missing`, an error where it is no
@@ -76,7 +76,7 @@ pub fn irradiance(
     bad: impl FnOnce() -> Error,
 ) -> Result<Option<f64>> {
     match text.parse::<f64>() {
-        Ok(value) if missing(value) || MISSING_99.contains(&value) => Ok(None),
+        Ok(value) if missing(value) => Ok(None),
         Ok(value) => irradiance_of(value, negative).map(Some).ok_or_else(bad),
         Err(_) => Err(bad()),
     }

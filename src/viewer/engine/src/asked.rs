@@ -6,6 +6,7 @@ use heliotile_core::replay::components::Component;
 use heliotile_core::replay::reflectances::{self, ConstantOrFile};
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::options::{DateOrder, StampedAt, WeatherOptions};
+use heliotile_core::weather::time::clock_zone::ClockZone;
 use serde::Deserialize;
 
 use crate::weather::LoadedWeather;
@@ -51,7 +52,7 @@ impl Clock {
     pub fn options(&self) -> Result<WeatherOptions> {
         let zone = self.time_zone.as_deref().map(|text| {
             let hint = "give hours ahead of UTC, or a name such as Europe/Amsterdam";
-            text.parse().map_err(|_| Error::argument("timeZone", format!("`{text}`"), hint))
+            text.parse::<ClockZone>().map_err(|_| Error::argument("timeZone", format!("`{text}`"), hint))
         });
         let shift = self.shift.as_deref().map(|text| text.parse().map_err(|why| Error::argument("shift", why, "")));
         let stamp = self.stamp.as_deref().map(|text| {

@@ -66,8 +66,8 @@ fn missing_light_is_computed_from_the_rest() {
         assert!(text.contains(part), "{text}");
     }
     let night = read(&row([2018, 6, 1, 3, 0], "12,9999,5")).expect("valid");
-    assert_eq!((night.rows[0].dni_w_m2, night.rows[0].dhi_w_m2), (0.0, 12.0));
-    assert_eq!(night.report.warnings.len(), 1, "that it is no year");
+    assert_eq!((night.rows[0].dni_w_m2, night.rows[0].dhi_w_m2), (0.0, 0.0));
+    assert_eq!(night.report.warnings.len(), 2, "that it is no year, and the offset at night");
     // A given DNI is kept, however low the sun.
     let sunrise = read(&row([2018, 6, 1, 5, 0], "9,20,9999")).expect("valid").rows[0];
     assert!(sunrise.dni_w_m2 == 20.0 && sunrise.dhi_w_m2 > 8.0 && sunrise.dhi_w_m2 < 9.0, "{sunrise:?}");
@@ -171,7 +171,7 @@ fn dni_in_the_polar_night_is_counted() {
     let lost = w.report.findings.of(Finding::BelowHorizon);
     assert_eq!(lost.hours, 24.0);
     assert!((lost.kwh_m2 - 0.24).abs() < 1e-12);
-    assert_eq!(w.report.warnings.len(), 2, "the cut and the lost energy");
+    assert_eq!(w.report.warnings.len(), 3, "the cut, the lost energy and the offset at night");
     assert!(w.conditions(3).iter().all(|c| c.suns.is_empty() && c.sky_sun.is_finite()));
 }
 

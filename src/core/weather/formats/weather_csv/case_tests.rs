@@ -73,12 +73,12 @@ fn off(weather: &Weather) -> f64 {
     sums(weather).iter().zip(&right).map(|(found, right)| (found / right - 1.0).abs()).fold(0.0, f64::max)
 }
 
-/// A column of zeros is computed from the others: DNI or DHI within 1 %, both from GHI within 6 %.
+/// A column of zeros is computed from the others: DNI or DHI within 2 %, both from GHI within 6 %.
 /// The warning names the column, the month and the sum of GHI, 14.3 kWh/m2. An overcast day of DNI 0
 /// keeps its zeros.
 #[test]
 fn columns_of_zeros_are_computed_from_the_others() {
-    for (name, shares, most) in [("DNI", [0.0, 1.0], 0.01), ("DHI", [1.0, 0.0], 0.01), ("DHI", [0.0, 0.0], 0.06)] {
+    for (name, shares, most) in [("DNI", [0.0, 1.0], 0.02), ("DHI", [1.0, 0.0], 0.02), ("DHI", [0.0, 0.0], 0.06)] {
         let text = table("time,ghi,dni,dhi", |h| {
             format!("{},{},{},{}", stamp(h), h.ghi, h.dni * shares[0], h.dhi * shares[1])
         });
@@ -94,7 +94,7 @@ fn columns_of_zeros_are_computed_from_the_others() {
 }
 
 /// The names of BSRN, short and long, of PVWatts, of oemof and of SARAH give the sums of the plain
-/// table within 1 %.
+/// table within 1 %, 2 % where DNI is computed.
 #[test]
 fn names_of_archives_are_read() {
     let horizontal = |h: Hour| (h.ghi - h.dhi).max(0.0);
@@ -116,7 +116,7 @@ fn names_of_archives_are_read() {
     let oemof = table("time,dhi,dirhi,v_wind", |h| format!("{},{},{:.1},2", stamp(h), h.dhi, horizontal(h)));
     let sarah = table("time,SIS,SID,DNI", |h| format!("{},{},{:.1},{}", stamp(h), h.ghi, horizontal(h), h.dni));
     for text in [oemof, sarah] {
-        assert!(off(&read(&text).expect("weather")) < 0.01, "{text}");
+        assert!(off(&read(&text).expect("weather")) < 0.02, "{text}");
     }
 }
 
@@ -171,13 +171,13 @@ fn stamps_that_cannot_be_starts_are_placed() {
     assert_eq!(weather.rows[0].interval.start_min, 18.5 * 60.0);
 }
 
-/// A column named DNI whose sum with DHI is GHI is read as direct horizontal irradiance, within 1 %,
+/// A column named DNI whose sum with DHI is GHI is read as direct horizontal irradiance, within 2 %,
 /// and the warning says to name it `bhi`.
 #[test]
 fn direct_horizontal_light_named_dni_is_found_by_its_sum() {
     let text = table("time,ghi,dni,dhi", |h| format!("{},{},{:.1},{}", stamp(h), h.ghi, h.ghi - h.dhi, h.dhi));
     let weather = read(&text).expect("weather");
-    assert!(off(&weather) < 0.01, "{}", off(&weather));
+    assert!(off(&weather) < 0.02, "{}", off(&weather));
     assert!(weather.report.warnings.join("\n").contains("name it `bhi`"), "{:?}", weather.report.warnings);
 }
 
@@ -382,29 +382,4 @@ fn days_go_by_a_clock_with_summer_time() {
     assert_eq!(days(&amsterdam(&spring).expect("spring")), [(28, 23)]);
     let error = amsterdam(&rows((2021, 3, 28), 24, |_| 0)).expect_err("never shown");
     assert!(error.contains("line 4: the clock of Europe/Amsterdam never shows this time"), "{error}");
-}
-
-#[test]
-fn zz_temporary_table() {
-    let Ok(dirs) = std::env::var("HELIO_CASES") else { return };
-    for dir in dirs.split(':') {
-        let mut names: Vec<_> = std::fs::read_dir(dir).expect("dir").map(|e| e.expect("e").path()).collect();
-        names.sort();
-        for path in names {
-            let Ok(bytes) = std::fs::read(&path) else { continue };
-            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            let zone = if name.contains("zone_blank") { Some("-7".parse().expect("z")) } else if name.contains("pandas") { Some("UTC".parse().expect("z")) } else { None };
-            let (la, lo) = if name.contains("records") || name.contains("solcast") || name.contains("pandas") { (Some(47.2), Some(8.6)) } else if dir.ends_with("/weather") { (Some(40.0), Some(-105.0)) } else { (None, None) };
-            let options = WeatherOptions { latitude_deg: la, longitude_deg: lo, zone, ..WeatherOptions::default() };
-            match parse_weather_as(&path, &bytes, &options, &mut || Ok(None)) {
-                Ok(w) => {
-                    let s = sums(&w);
-                    let of = |f: &dyn Fn(&crate::weather::row::WeatherRow) -> f64| w.rows.iter().map(f).sum::<f64>() * w.interval_hours / 1000.0;
-                    println!("CASE {name}: flat {:.3} e90 {:.3} w90 {:.3} | ghi {:.3} dni {:.3} dhi {:.3} rows {}", s[0], s[1], s[2], of(&|r| r.ghi_w_m2.unwrap_or(0.0)), of(&|r| r.dni_w_m2), of(&|r| r.dhi_w_m2), w.rows.len());
-                    for warning in &w.report.warnings { if !warning.contains("of a year") { println!("      {}", warning.replace(&*path.to_string_lossy(), "F")); } }
-                }
-                Err(e) => println!("CASE {name}: {}", e.to_string().replace(&*path.to_string_lossy(), "F").replace('\n', " ")),
-            }
-        }
-    }
 }

@@ -131,7 +131,7 @@ fn units_of_ground_and_air_are_converted() {
         let (row, air) = (weather.rows[0], weather.air[0]);
         assert!((row.snow_depth_cm.expect("snow") - 30.0).abs() < 0.1, "{names}: {row:?}");
         assert!((row.albedo.expect("albedo") - 0.2).abs() < 1e-9 && (air.dry_bulb_c.expect("air") - 15.0).abs() < 1e-9);
-        assert_eq!(weather.report.warnings.len(), 1, "{:?}", weather.report.warnings);
+        assert_eq!(weather.report.warnings.len(), 2, "no year, and light at night: {:?}", weather.report.warnings);
     }
     let said = made("albedo,temp_air", "20,288.15").report.warnings.join("\n");
     for part in

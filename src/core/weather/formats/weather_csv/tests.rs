@@ -359,7 +359,7 @@ fn wrong_files_are_refused_with_the_line() {
         (rows("2021-06-01T12:00,1,1\n"), "line 4: the row has 3 columns instead of 4"),
         (rows("2021-06-01T12:00,x,1,1\n"), "line 4: column `ghi` holds `x`"),
         (rows("2021-06-01T12:00,1,inf,1\n"), "line 4: column `dni` holds `inf`"),
-        (rows("2021-06-01T12:00,1,1,-99\n"), "line 4: column `dhi` holds `-99`"),
+        (rows("2021-06-01T12:00,1,1,-98\n"), "line 4: column `dhi` holds `-98`"),
         ("time;ghi\n2021-06-01T10:00;1.000,5\n2021-06-01T11:00;1,5\n".into(), "line 2: column `ghi` holds `1.000,5`"),
         ("time,ghi\n2021-06-01,1\n2021-06-02,1\n".into(), "rows are 1440 min apart"),
         ("time,ghi\n2021-06-01T10:00:00,1\n2021-06-01T10:00:10,1\n".into(), "rows are 0.16666666666666666 min apart"),
