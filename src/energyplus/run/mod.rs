@@ -7,7 +7,6 @@ mod runs;
 mod stripped;
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -32,7 +31,7 @@ use heliotile_core::text::counted;
 use heliotile_results::Resources;
 use heliotile_results::covering::cover_site;
 use heliotile_results::covering::{CoverRequest, Density, PlacedReceivers};
-use heliotile_results::outputs::sink::write_texts;
+use heliotile_results::outputs::sink::{write_file, write_texts};
 use heliotile_results::site_archive::{KEEP_OR_REPLACE, TraceRequest, WaysOut, build_or_reuse};
 use heliotile_scene::Scene;
 use heliotile_scene::input;
@@ -467,11 +466,7 @@ fn targets(document: &Document, lights: &[SurfaceLight], covered: &PlacedReceive
 }
 
 fn write_document(path: &Path, document: &Document) -> Result<()> {
-    let mut name = path.as_os_str().to_os_string();
-    name.push(".partial");
-    let partial = PathBuf::from(name);
-    fs::write(&partial, document.bytes()).map_err(Error::io(&partial, "write"))?;
-    fs::rename(&partial, path).map_err(Error::io(path, "rename to"))
+    write_file(path, &document.bytes())
 }
 
 fn summary(files: &Files, targets: &Targets, changed: &Changed) -> String {
