@@ -251,8 +251,8 @@ mod tests {
         }
     }
 
-    /// Options come back from their JSON, with a zone that is a number, a text, a name or none, 4 of 4. A
-    /// text that is no zone is refused.
+    /// Options come back from their JSON, with a zone that is a number, a text, a name or none, 4
+    /// of 4. A text that is no zone is refused.
     #[test]
     fn options_come_back_from_json() {
         let read = |zone: &str| serde_json::from_str::<WeatherOptions>(&format!("{{\"zone_hours\": {zone}}}"));

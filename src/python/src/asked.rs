@@ -19,9 +19,9 @@ use heliotile_core::observer::Observer;
 use heliotile_core::replay::components::ComponentList;
 use heliotile_core::replay::reflectances::{Changes, ConstantOrFile};
 use heliotile_core::weather::options::WeatherOptions;
-use heliotile_core::weather::time::clock_zone::ClockZone;
 use heliotile_core::weather::span::Moment;
 use heliotile_core::weather::temperatures::Temperature;
+use heliotile_core::weather::time::clock_zone::ClockZone;
 use heliotile_results::{
     Archives, BandChoice, BandList, ComfortChoice, ComfortRequest, Illumination, LightChoice, Provenance, QueryRequest,
     ReplayRequest, Resources, Series, SkyChoice, SkyFiles,
@@ -197,7 +197,8 @@ impl ReplayArgs {
         let zone = |text: &String| {
             let hint = "give hours ahead of UTC, -12 to 14, such as \"+01:00\", -7, 5.5 or \"UTC\", or a name such as \
                         \"Europe/Amsterdam\"";
-            text.parse::<ClockZone>().map_err(|_| Error::argument("time_zone", format!("`{text}` is not a time zone"), hint))
+            text.parse::<ClockZone>()
+                .map_err(|_| Error::argument("time_zone", format!("`{text}` is not a time zone"), hint))
         };
         let about_weather = WeatherOptions {
             latitude_deg: self.latitude,

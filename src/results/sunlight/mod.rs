@@ -21,8 +21,8 @@ mod rule;
 mod rule_files;
 
 pub use calendar::DaySpan;
-pub use heliotile_core::weather::time::clock_zone::ClockZone;
 pub use glare::GlareChoice;
+pub use heliotile_core::weather::time::clock_zone::ClockZone;
 pub use pass::SunlightSite;
 pub use request::{RuleCount, SunlightDone, SunlightRequest};
 pub use rule::{ClockHours, DaysTogether, LitPart, Rule, RuleClock, RuleMeasure, Threshold};

@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::calendar::DaySpan;
-use heliotile_core::weather::time::clock_zone::ClockZone;
 use super::days::{DayPlan, SunnyHours};
 use super::glare::GlareChoice;
 use super::places::{Asked, DateRows};
@@ -22,6 +21,7 @@ use heliotile_core::text::counted;
 use heliotile_core::weather::conditions::Stamp;
 use heliotile_core::weather::options::WeatherOptions;
 use heliotile_core::weather::time::calendar::Date;
+use heliotile_core::weather::time::clock_zone::ClockZone;
 use heliotile_core::weather::time::sun::Location;
 use heliotile_core::weather::time::years::Years;
 

@@ -137,8 +137,8 @@ fn on_24_hours(clock: ClockText, afternoon: Option<bool>) -> Option<ClockText> {
     Some(ClockText { seconds: in_half + if afternoon { HALF_S } else { 0 }, ends_day: false })
 }
 
-/// Reads `12:30`, `12:30:15`, `12:30:15.000`, `1230`, `123015`; 24:00 is the next midnight. Fractions of
-/// seconds are dropped.
+/// Reads `12:30`, `12:30:15`, `12:30:15.000`, `1230`, `123015`; 24:00 is the next midnight.
+/// Fractions of seconds are dropped.
 fn time_of(text: &str) -> Option<ClockText> {
     let (hours, minutes, seconds) = match text.split_once(':') {
         Some((hours, rest)) => match rest.split_once(':') {
@@ -205,8 +205,8 @@ mod tests {
     /// Seconds of 1 June 2021, 12:30.
     const NOON: i64 = 1_622_550_600;
 
-    /// Twenty-six ways to write 12:30 of 1 June 2021 give 1,622,550,600 seconds after 1970, eleven of
-    /// them with a zone. Midnight is 24:00 of the day before.
+    /// Twenty-six ways to write 12:30 of 1 June 2021 give 1,622,550,600 seconds after 1970, eleven
+    /// of them with a zone. Midnight is 24:00 of the day before.
     #[test]
     fn one_moment_reads_from_26_spellings() {
         for (text, zone) in [

@@ -94,9 +94,9 @@ impl StampedRows {
         Ok(SteppedRows { rows, step_min, warning: missing.sentence(path, step) })
     }
 
-    /// Returns the place of stamps that cannot be starts, and the seconds from them to this place: all
-    /// at half a step are middles, all a minute or a second before a step are ends. `is_utc` says
-    /// that the stamps are in UTC, where the hours of zones of half hours start at half past.
+    /// Returns the place of stamps that cannot be starts, and the seconds from them to this place:
+    /// all at half a step are middles, all a minute or a second before a step are ends. `is_utc`
+    /// says that the stamps are in UTC, where the hours of zones of half hours start at half past.
     pub fn place_by_clock(&self, path: &Path, is_utc: bool) -> Result<Option<(StampedAt, i64)>> {
         let step = self.step(path)?;
         let mut rests = self.seconds.iter().map(|at| (at - self.moved_s).rem_euclid(step));

@@ -30,8 +30,8 @@ pub struct RawWeather {
     pub step_min: f64,
     /// Place in its interval where each row's time stamp was taken to stand.
     pub stamped_at: StampedAt,
-    /// `[row]`: zenith angle of the sun at its time stamp; empty if the file has no such column, or if
-    /// the place of stamps is known without it.
+    /// `[row]`: zenith angle of the sun at its time stamp; empty if the file has no such column, or
+    /// if the place of stamps is known without it.
     pub zenith_deg: Vec<Option<f64>>,
     /// Warnings of the reader, each a sentence that names the file.
     pub warnings: Vec<String>,

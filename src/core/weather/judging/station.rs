@@ -39,8 +39,8 @@ impl Station {
         }
     }
 
-    /// Returns the place and the standard time of `year`, where the user's statements override those of the file, and a sentence if
-    /// it is the place of the scene.
+    /// Returns the place and the standard time of `year`, where the user's statements override
+    /// those of the file, and a sentence if it is the place of the scene.
     pub fn location(
         &self,
         path: &Path,

@@ -1,5 +1,5 @@
-//! Clocks of weather, rules and results. In: an offset from UTC, or the name of a zone. Out: standard
-//! time, and the lead of the legal clock over it.
+//! Clocks of weather, rules and results. In: an offset from UTC, or the name of a zone. Out:
+//! standard time, and the lead of the legal clock over it.
 
 use std::collections::HashMap;
 use std::fmt;
@@ -173,8 +173,8 @@ mod tests {
         assert!("The Hague".parse::<ClockZone>().is_err_and(|text| text.contains("Europe/Amsterdam")));
     }
 
-    /// Amsterdam's clock shows 02:30 twice on 31 October 2021, 7200 and 3600 s ahead of UTC, never on
-    /// 28 March, and once on 1 June.
+    /// Amsterdam's clock shows 02:30 twice on 31 October 2021, 7200 and 3600 s ahead of UTC, never
+    /// on 28 March, and once on 1 June.
     #[test]
     fn a_clock_with_summer_time_shows_an_hour_twice_or_never() {
         let zone: ClockZone = "Europe/Amsterdam".parse().expect("a zone");

@@ -29,9 +29,9 @@ pub struct WeatherArgs {
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "About the weather file")]
 pub struct ClockArgs {
-    /// Time zone of the weather file's clock, in place of that of the file: hours ahead of UTC, such
-    /// as +01:00, -7 or UTC, or a name, such as Europe/Amsterdam, with its summer time. If its time
-    /// stamps state an offset, the zone of days and labels in results
+    /// Time zone of the weather file's clock, in place of that of the file: hours ahead of UTC,
+    /// such as +01:00, -7 or UTC, or a name, such as Europe/Amsterdam, with its summer time. If its
+    /// time stamps state an offset, the zone of days and labels in results
     #[arg(long, value_name = "ZONE", allow_hyphen_values = true, value_parser = parse_time_zone)]
     pub time_zone: Option<ClockZone>,
     /// Shift of the weather file's time stamps, such as 41min, -30min or 0.5h; `auto` chooses the

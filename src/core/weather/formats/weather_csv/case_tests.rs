@@ -74,8 +74,8 @@ fn off(weather: &Weather) -> f64 {
 }
 
 /// A column of zeros is computed from the others: DNI or DHI within 2 %, both from GHI within 6 %.
-/// The warning names the column, the month and the sum of GHI, 14.3 kWh/m2. An overcast day of DNI 0
-/// keeps its zeros.
+/// The warning names the column, the month and the sum of GHI, 14.3 kWh/m2. An overcast day of DNI
+/// 0 keeps its zeros.
 #[test]
 fn columns_of_zeros_are_computed_from_the_others() {
     for (name, shares, most) in [("DNI", [0.0, 1.0], 0.02), ("DHI", [1.0, 0.0], 0.02), ("DHI", [0.0, 0.0], 0.06)] {
@@ -171,8 +171,8 @@ fn stamps_that_cannot_be_starts_are_placed() {
     assert_eq!(weather.rows[0].interval.start_min, 18.5 * 60.0);
 }
 
-/// A column named DNI whose sum with DHI is GHI is read as direct horizontal irradiance, within 2 %,
-/// and the warning says to name it `bhi`.
+/// A column named DNI whose sum with DHI is GHI is read as direct horizontal irradiance, within 2
+/// %, and the warning says to name it `bhi`.
 #[test]
 fn direct_horizontal_light_named_dni_is_found_by_its_sum() {
     let text = table("time,ghi,dni,dhi", |h| format!("{},{},{:.1},{}", stamp(h), h.ghi, h.ghi - h.dhi, h.dhi));
@@ -181,8 +181,8 @@ fn direct_horizontal_light_named_dni_is_found_by_its_sum() {
     assert!(weather.report.warnings.join("\n").contains("name it `bhi`"), "{:?}", weather.report.warnings);
 }
 
-/// A logger that shows 1 W/m2 all night adds nothing: DHI of the hours with the sun below -6 degrees
-/// is 0, 12 hours in two nights of June, and the warning says so.
+/// A logger that shows 1 W/m2 all night adds nothing: DHI of the hours with the sun below -6
+/// degrees is 0, 12 hours in two nights of June, and the warning says so.
 #[test]
 fn an_offset_at_night_is_left_out() {
     let text = table("time,ghi,dni,dhi", |h| format!("{},{},{},{}", stamp(h), h.ghi.max(1.0), h.dni, h.dhi.max(1.0)));
@@ -193,9 +193,9 @@ fn an_offset_at_night_is_left_out() {
     assert!(words.contains("light of 12 hours with the sun more than 6 degrees below"), "{words}");
 }
 
-/// Eight tables of services and programs give the sums of the plain table within 1 %: basic ISO 8601
-/// stamps, `DATE,MST` of MIDC, CAMS McClear, SolarAnywhere's TMY3, TMY3 with seconds and with 00:00
-/// for 24:00, fill values -99 and `--` at night, and a row of totals.
+/// Eight tables of services and programs give the sums of the plain table within 1 %: basic ISO
+/// 8601 stamps, `DATE,MST` of MIDC, CAMS McClear, SolarAnywhere's TMY3, TMY3 with seconds and with
+/// 00:00 for 24:00, fill values -99 and `--` at night, and a row of totals.
 #[test]
 fn tables_of_services_are_read() {
     let light = |h: Hour| format!("{},{},{}", h.ghi, h.dni, h.dhi);
@@ -280,8 +280,8 @@ fn at_place(text: &str, zone: &str) -> Result<Weather, String> {
 }
 
 /// Records whose first ones lack DNI and DHI, columns and rows keyed by stamps, records newest
-/// first, PVGIS' typical year and Open-Meteo with temperatures by quarters of hours give the sums of
-/// the plain table within 1 %.
+/// first, PVGIS' typical year and Open-Meteo with temperatures by quarters of hours give the sums
+/// of the plain table within 1 %.
 #[test]
 fn json_of_six_shapes_is_read() {
     let utc = |h: Hour| {

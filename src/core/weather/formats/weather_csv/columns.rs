@@ -133,11 +133,13 @@ impl Columns {
             instants: false,
         };
         // Alone, `dir` may be that of the wind and `sid` the number of a station.
-        let has = |known: &[&str]| head.names.iter().any(|name| known.iter().any(|known| squash(name).starts_with(known)));
+        let has =
+            |known: &[&str]| head.names.iter().any(|name| known.iter().any(|known| squash(name).starts_with(known)));
         let is = |column: &Column, name: &str| head.names.get(column.place).is_some_and(|found| squash(found) == name);
         columns.dni = columns.dni.filter(|column| !is(column, "dir") || has(&["swd", "dif"]));
         columns.beam = columns.beam.filter(|column| !is(column, "sid") || has(&["sis"]));
-        // `Direct radiation [W/m**2]` of BSRN is normal; with other units the name is that of Open-Meteo.
+        // `Direct radiation [W/m**2]` of BSRN is normal; with other units the name is that of
+        // Open-Meteo.
         if columns.dni.is_none() && columns.beam.is_some_and(|beam| columns.name(beam.place).contains("m**2")) {
             columns.dni = columns.beam.take();
         }

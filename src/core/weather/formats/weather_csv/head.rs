@@ -160,8 +160,8 @@ impl Head {
         self.names.len() > 1 && self.names.iter().any(is_light)
     }
 
-    /// Names the columns of CAMS McClear, `Clear sky GHI` and so on, as those of the radiation service,
-    /// which has both kinds.
+    /// Names the columns of CAMS McClear, `Clear sky GHI` and so on, as those of the radiation
+    /// service, which has both kinds.
     fn take_clear_sky(&mut self, light: &[Quantity]) {
         let is_light = |name: &String| light.iter().any(|quantity| match_name(name, *quantity).is_some());
         let is_cams = self.names.first().is_some_and(|name| squash(name) == "observationperiod");

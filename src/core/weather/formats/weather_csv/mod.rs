@@ -376,8 +376,8 @@ impl<'a> Rows<'a> {
         Ok(RawWeather { station, rows, air, step_min, stamped_at, zenith_deg, warnings })
     }
 
-    /// Refuses a column of direct horizontal irradiance that exceeds GHI, as direct normal irradiance
-    /// does.
+    /// Refuses a column of direct horizontal irradiance that exceeds GHI, as direct normal
+    /// irradiance does.
     fn check_beam(&self) -> Result<()> {
         let [lit, above] = self.beam_above_ghi;
         if above < FEWEST_ABOVE || above as f64 <= LEAST_SHARE_ABOVE * lit as f64 {
