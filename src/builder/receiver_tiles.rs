@@ -28,7 +28,8 @@ pub struct ReceiverTiles {
 impl ReceiverTiles {
     /// Reads a file as [`read_receivers`](heliotile_scene::covering::receivers::read_receivers)
     /// does, and sorts its receivers around `origin`. Temporary files go to `folder` if
-    /// `budget_bytes` do not suffice. `surface` is what heights count from. `warnings` gets the columns that are ignored.
+    /// `budget_bytes` do not suffice. `surface` is what heights count from. `warnings`
+    /// gets the columns that are ignored.
     pub fn open(
         path: &Path,
         origin: DVec3,

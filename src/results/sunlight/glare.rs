@@ -245,7 +245,8 @@ impl SpellRecord {
         Ok(())
     }
 
-    /// Says how many spells a table of some bytes holds, and how to get a smaller one if it is large.
+    /// Says how many spells a table of some bytes holds, and how to get a smaller one if it is
+    /// large.
     pub fn tell_size(&self, path: &Path, bytes: u64, observer: &dyn Observer) {
         let (path, spells) = (path.display(), counted(self.spells.len() as u64, "spell"));
         let text = format!("{path}: {spells}, {:.1} MB", bytes as f64 / 1e6);

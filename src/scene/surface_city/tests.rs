@@ -210,8 +210,8 @@ fn rasters_without_heights_are_refused() {
 }
 
 /// The street of `tests/data/rasters` has 4 buildings with 7 roofs of 627 m2 within 3 %, 3 trees in
-/// 2 crowns, whose black leaves get 1 warning, and materials by its land cover. A survey finds the same 7 objects, ground among them,
-/// 4 of which get receivers.
+/// 2 crowns, whose black leaves get 1 warning, and materials by its land cover. A survey finds the
+/// same 7 objects, ground among them, 4 of which get receivers.
 #[test]
 fn a_street_is_read() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/rasters");

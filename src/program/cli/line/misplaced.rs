@@ -100,8 +100,8 @@ mod tests {
         }
     }
 
-    /// An option of other commands is named with them: `run`, `buildings` and `places` have no --sky, `pv` has no --snow, 4
-    /// of 4; a misspelt option, which no command has, is left to clap.
+    /// An option of other commands is named with them: `run`, `buildings` and `places` have no
+    /// --sky, `pv` has no --snow, 4 of 4; a misspelt option, which no command has, is left to clap.
     #[test]
     fn options_of_other_commands_are_named() {
         let hint = |line: &str| of_others(&Cli::try_parse_from(line.split(' ')).err()?);
