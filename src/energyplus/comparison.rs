@@ -30,11 +30,11 @@ const DAY: usize = 24;
 /// Smallest mean that percentages are given for, in the unit of the variable.
 const LEAST: f64 = 1e-6;
 
-/// Areas of surfaces by name in small letters, m2.
-pub type Areas = BTreeMap<String, f64>;
+/// SurfaceAreas of surfaces by name in small letters, m2.
+pub type SurfaceAreas = BTreeMap<String, f64>;
 
 /// Returns the sections of the report: tables of all variables, then pictures.
-pub fn compare(runs: &[HourlySeries; 3], areas: &Areas) -> Vec<(String, Vec<Block>)> {
+pub fn compare(runs: &[HourlySeries; 3], areas: &SurfaceAreas) -> Vec<(String, Vec<Block>)> {
     let mut sections = Vec::new();
     for (variable, unit, title) in VARIABLES {
         let rows = rows(runs, variable, areas);
@@ -142,7 +142,7 @@ impl Row {
 
 /// Returns a row for each key that all three runs have, and a row for all of them: their sum, or of
 /// a variable of power per area the mean by the areas that are known.
-fn rows(runs: &[HourlySeries; 3], variable: &str, areas: &Areas) -> Vec<Row> {
+fn rows(runs: &[HourlySeries; 3], variable: &str, areas: &SurfaceAreas) -> Vec<Row> {
     let [none, own, ours] = runs;
     let mut rows = Vec::new();
     let mut sums: [Vec<f64>; 3] = Default::default();
@@ -205,7 +205,7 @@ fn day(runs: &[HourlySeries; 3]) -> Block {
 }
 
 /// Plots the sun absorbed by each surface against the run with EnergyPlus's own reflections.
-fn surfaces(runs: &[HourlySeries; 3], areas: &Areas) -> Block {
+fn surfaces(runs: &[HourlySeries; 3], areas: &SurfaceAreas) -> Block {
     let rows = rows(runs, VARIABLES[2].0, areas);
     let each = || rows.iter().filter(|row| row.name != ALL);
     let points = |of: usize| each().map(|row| (row.means[1], row.means[of])).collect();
@@ -248,7 +248,7 @@ mod tests {
             let walls = [(sun, "A", [100.0, 100.0]), (sun, "B", [300.0, 300.0]), (sun, "FLOOR", [0.0, 0.0])];
             series(&[walls[0], walls[1], walls[2], (through, "W", [2000.0, 500.0])])
         };
-        let areas = Areas::from([("a".to_owned(), 30.0), ("b".to_owned(), 10.0)]);
+        let areas = SurfaceAreas::from([("a".to_owned(), 30.0), ("b".to_owned(), 10.0)]);
         let all = rows(&[run(), run(), run()], sun, &areas).pop().expect("a row");
         assert_eq!((all.name.as_str(), all.means), ("all", [150.0; 3]));
         let by_month = months(&[run(), run(), run()], through);
@@ -260,7 +260,7 @@ mod tests {
     #[test]
     fn loads_of_zero_are_said_in_words() {
         let run = || series(&[(VARIABLES[1].0, "HALL", [0.0, 0.0]), (VARIABLES[3].0, "W", [1.0, 1.0])]);
-        let sections = compare(&[run(), run(), run()], &Areas::new());
+        let sections = compare(&[run(), run(), run()], &SurfaceAreas::new());
         let (title, blocks) = &sections[0];
         assert_eq!((title.as_str(), blocks.len()), (VARIABLES[1].2, 1));
         assert!(matches!(&blocks[0], Block::Text(text) if text.contains("no system heats or cools")));

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
-use crate::comparison::{Areas, RUNS, VARIABLES, compare};
+use crate::comparison::{RUNS, SurfaceAreas, VARIABLES, compare};
 use crate::document::Document;
 use crate::eso::{HourlySeries, read_eso};
 use crate::injection::{DISTRIBUTION, WITH_OWN};
@@ -99,7 +99,7 @@ pub fn run_all(
     injected: Document,
     weather: &Path,
     folder: &Path,
-    areas: &Areas,
+    areas: &SurfaceAreas,
     observer: &dyn Observer,
 ) -> Result<Sections> {
     let (mut none, mut own) = (bare()?, bare()?);
