@@ -11,8 +11,10 @@ use rusqlite::{Connection, OpenFlags};
 use serde_json::{Map, Value, json};
 
 use super::feature::{Feature, TakeFeature};
-use super::shapes::Shapes;
+use super::layers;
+use super::shapes::{Shapes, unreadable};
 use super::system::FeatureSystem;
+use crate::formats::Asked;
 use crate::text::excerpt;
 
 /// A table of features.
@@ -23,7 +25,8 @@ struct Table {
     system: FeatureSystem,
 }
 
-pub(super) fn read(file: &Path, take: &mut TakeFeature) -> Result<FeatureSystem> {
+/// Reads the features of the layers that `asked` names, or that hold buildings.
+pub(super) fn read(file: &Path, asked: &Asked, take: &mut TakeFeature) -> Result<FeatureSystem> {
     let wrong = |error: rusqlite::Error| {
         let text = error.to_string();
         let what = format!("the file cannot be read as a GeoPackage: {}", excerpt(text.as_bytes()));
@@ -31,7 +34,11 @@ pub(super) fn read(file: &Path, take: &mut TakeFeature) -> Result<FeatureSystem>
     };
     let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
     let database = Connection::open_with_flags(file, flags).map_err(wrong)?;
-    let tables = tables(&database).map_err(wrong)?;
+    let mut tables = tables(&database).map_err(wrong)?;
+    let names: Vec<String> = tables.iter().map(|table| table.name.clone()).collect();
+    let chosen = layers::chosen(&names, &asked.footprints.layer, asked.lod.as_deref())
+        .map_err(|what| Error::input(file, None, what, "give the name of one of its layers as {layer}"))?;
+    tables.retain(|table| chosen.read.contains(&table.name));
     let Some(first) = tables.first() else {
         let hint = "export a layer of outlines of buildings as GeoPackage";
         return Err(Error::input(file, None, "the GeoPackage has no table of features", hint));
@@ -46,9 +53,9 @@ pub(super) fn read(file: &Path, take: &mut TakeFeature) -> Result<FeatureSystem>
         return Err(Error::input(file, None, what, "export the layer of buildings by itself"));
     }
     for table in &tables {
-        read_table(&database, table, file, take, &wrong)?;
+        read_table(&database, table, take, &wrong)?;
     }
-    Ok(first.system.clone())
+    Ok(FeatureSystem { doubts: chosen.said().into_iter().collect(), ..first.system.clone() })
 }
 
 fn tables(database: &Connection) -> rusqlite::Result<Vec<Table>> {
@@ -73,7 +80,6 @@ fn tables(database: &Connection) -> rusqlite::Result<Vec<Table>> {
 fn read_table(
     database: &Connection,
     table: &Table,
-    file: &Path,
     take: &mut TakeFeature,
     wrong: &dyn Fn(rusqlite::Error) -> Error,
 ) -> Result<()> {
@@ -90,16 +96,10 @@ fn read_table(
             match value {
                 ValueRef::Blob(bytes) if *name == table.geometry => {
                     let mut shapes = Shapes::default();
-                    GpkgWkb(bytes).process_geom(&mut shapes).map_err(|error| {
-                        let text = error.to_string();
-                        let what = format!(
-                            "a geometry of table `{}` cannot be read: {}",
-                            excerpt(table.name.as_bytes()),
-                            excerpt(text.as_bytes())
-                        );
-                        Error::input(file, None, what, "export the layer again, with polygons of straight sides")
-                    })?;
-                    shapes.fill(&mut feature);
+                    match GpkgWkb(bytes).process_geom(&mut shapes) {
+                        Ok(()) => shapes.fill(&mut feature),
+                        Err(error) => feature.unreadable = Some(unreadable(&error)),
+                    }
                 }
                 ValueRef::Integer(number) => drop(attributes.insert(name.clone(), json!(number))),
                 ValueRef::Real(number) => drop(attributes.insert(name.clone(), json!(number))),
