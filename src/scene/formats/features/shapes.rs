@@ -16,6 +16,10 @@ const MOST_CORNERS: usize = 1 << 24;
 /// Angle of a side that replaces a piece of an arc, radians: 5 degrees, so that a disc loses 0.13 %.
 const STROKE_RAD: f64 = PI / 36.0;
 
+/// Deepest nesting of collections: the crate `geozero` calls itself for each, and files that programs
+/// write have one or two.
+const MOST_NESTED: usize = 32;
+
 /// Collector of the polygons of one geometry.
 #[derive(Default)]
 pub(super) struct Shapes {
@@ -23,6 +27,8 @@ pub(super) struct Shapes {
     polygon: FeaturePolygon,
     ring: Vec<DVec3>,
     corners: usize,
+    /// Number of collections that contain the geometry that comes next.
+    nested: usize,
     /// True if the lines that come are rings of a polygon or triangle.
     in_polygon: bool,
     /// True if the lines that come are pieces of one ring.
@@ -157,6 +163,9 @@ impl GeomProcessor for Shapes {
     }
 
     fn compoundcurve_begin(&mut self, _: usize, _: usize) -> Result<()> {
+        if self.in_compound {
+            return Err(GeozeroError::Geometry("a compound curve holds another one".to_owned()));
+        }
         self.in_compound = true;
         self.ring.clear();
         Ok(())
@@ -165,6 +174,19 @@ impl GeomProcessor for Shapes {
     fn compoundcurve_end(&mut self, _: usize) -> Result<()> {
         self.in_compound = false;
         self.end_ring()
+    }
+
+    fn geometrycollection_begin(&mut self, _: usize, _: usize) -> Result<()> {
+        self.nested += 1;
+        if self.nested > MOST_NESTED {
+            return Err(GeozeroError::Geometry(format!("collections are nested more than {MOST_NESTED} deep")));
+        }
+        Ok(())
+    }
+
+    fn geometrycollection_end(&mut self, _: usize) -> Result<()> {
+        self.nested -= 1;
+        Ok(())
     }
 
     fn curvepolygon_begin(&mut self, _: usize, _: usize) -> Result<()> {
@@ -247,5 +269,31 @@ mod tests {
             assert!((area / expected - 1.0).abs() < 5e-3, "{area} {expected}");
         }
         assert_eq!(stroked(&[at(0., 0.), at(5., 0.), at(10., 0.)]).len(), 3);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use geozero::GeozeroGeometry;
+    use geozero::wkb::Wkb;
+
+    use super::*;
+
+    /// 32 collections around a triangle give one polygon; 33 are refused, and so are 100,000, which
+    /// would overflow the stack of the library.
+    #[test]
+    fn collections_nest_thirty_two_deep_at_most() {
+        let nested = |depth: usize| {
+            let mut bytes = [1, 7, 0, 0, 0, 1, 0, 0, 0].repeat(depth);
+            bytes.extend([1, 3, 0, 0, 0, 1, 0, 0, 0, 3, 0, 0, 0]);
+            bytes.extend([0.0, 0.0, 9.0, 0.0, 9.0, 9.0_f64].iter().flat_map(|number| number.to_le_bytes()));
+            let mut shapes = Shapes::default();
+            Wkb(bytes).process_geom(&mut shapes).map(|()| shapes.polygons.len())
+        };
+        assert_eq!(nested(MOST_NESTED).expect("read"), 1);
+        for depth in [MOST_NESTED + 1, 100_000] {
+            let message = nested(depth).expect_err("too deep").to_string();
+            assert!(message.contains("nested more than 32 deep"), "{message}");
+        }
     }
 }
