@@ -30,7 +30,7 @@ const DAY: usize = 24;
 /// Smallest mean that percentages are given for, in the unit of the variable.
 const LEAST: f64 = 1e-6;
 
-/// SurfaceAreas of surfaces by name in small letters, m2.
+/// Areas of surfaces by name in small letters, m2.
 pub type SurfaceAreas = BTreeMap<String, f64>;
 
 /// Returns the sections of the report: tables of all variables, then pictures.
