@@ -32,7 +32,8 @@ fn two_runs_into_one_table_leave_files_of_one() {
     let folder = Folder::new();
     let archive = format!("{ROOT}/tests/data/archives/v1.6-box.helio");
     let weather = format!("{ROOT}/tests/data/weather/golden_tmy3.epw");
-    let command = |column: &str| format!("replay {archive} --weather {weather} --columns {column} --every hour -o t.csv");
+    let command =
+        |column: &str| format!("replay {archive} --weather {weather} --columns {column} --every hour -o t.csv");
     let alone = ["sun_direct", "sky_direct"].map(|column| {
         assert_eq!(folder.run(&command(column)).status.code(), Some(0));
         contents(&folder.path("."), "t.csv")
@@ -66,7 +67,8 @@ fn one_file_is_not_two() {
     folder.write("a.obj", "v 0 0 0\nv 9 0 0\nv 9 9 0\nusemtl roof\nf 1 2 3\n");
     folder.write("d/tradeoff.csv", "receiver,x,y,z,nx,ny,nz\na,1,1,1,0,0,1\n");
     folder.write("d/audit.csv", "condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2\na,180,40,500,100\n");
-    let kept = || ["z.helio.partial", "d/tradeoff.csv", "d/audit.csv"].map(|name| fs::read(folder.path(name)).expect("kept"));
+    let kept =
+        || ["z.helio.partial", "d/tradeoff.csv", "d/audit.csv"].map(|name| fs::read(folder.path(name)).expect("kept"));
     let before = kept();
     let two = "is named for two outputs";
     let input = "is also an input";

@@ -89,7 +89,6 @@ pub fn with_resources<T>(site: &SiteArgs, then: impl FnOnce(&Resources) -> Resul
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::cli::{Cli, Command};
     use clap::Parser;
 

@@ -249,6 +249,9 @@ fn arc(a: DVec3, b: DVec3, c: DVec3, line: &mut Vec<DVec3>) {
 
 #[cfg(test)]
 mod tests {
+    use geozero::GeozeroGeometry;
+    use geozero::wkb::Wkb;
+
     use super::*;
     use crate::plan::signed_area_m2;
 
@@ -270,14 +273,6 @@ mod tests {
         }
         assert_eq!(stroked(&[at(0., 0.), at(5., 0.), at(10., 0.)]).len(), 3);
     }
-}
-
-#[cfg(test)]
-mod tests {
-    use geozero::GeozeroGeometry;
-    use geozero::wkb::Wkb;
-
-    use super::*;
 
     /// 32 collections around a triangle give one polygon; 33 are refused, and so are 100,000, which
     /// would overflow the stack of the library.
