@@ -19,11 +19,11 @@ pub fn program(words: &[OsString]) -> u8 {
         Ok(commands::Outcome::Fine) => 0,
         Ok(commands::Outcome::ProblemFound) => 1,
         Err(error @ Error::Stopped { .. }) => {
-            commands::complain(&format!("heliotile: {error}; to go on: {}\n", cli::again(words)));
+            eprintln!("heliotile: {error}; to go on: {}", cli::again(words));
             commands::exit_code()
         }
         Err(error) => {
-            commands::complain(&format!("heliotile: {}\n", cli::worded(error)));
+            eprintln!("heliotile: {}", cli::worded(error));
             2
         }
     }

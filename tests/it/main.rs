@@ -37,7 +37,6 @@ mod maps;
 mod mirrors;
 mod name_index;
 mod numerics;
-mod outputs;
 mod own_skies;
 mod paths;
 mod physics;

@@ -15,7 +15,7 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::Component;
 use heliotile_core::site::bands::BandOptics;
 use heliotile_core::site::material::rounded;
-use heliotile_core::text::{counted, excerpt};
+use heliotile_core::text::counted;
 use heliotile_remote::places::open_archive;
 use heliotile_results::horizon::black_below_horizon;
 use heliotile_scene::placing::frame::SiteFrame;
@@ -23,9 +23,6 @@ use heliotile_scene::request::SceneRequest;
 
 /// Number of settings in the first of two lines.
 const SETTINGS_A_LINE: usize = 7;
-
-/// Most characters of a text of an archive that are shown.
-const MOST_SHOWN: usize = 80;
 
 /// `heliotile info`.
 pub fn info(args: &InfoArgs) -> Result<Outcome> {
@@ -66,8 +63,7 @@ pub fn info(args: &InfoArgs) -> Result<Outcome> {
     let mut out = String::new();
     let (scene, receivers, s) = (&manifest.scene, &manifest.receivers, &manifest.settings);
     line!(out, "{}", archive.path().display());
-    let [name, version] = [&manifest.creator.name, &manifest.creator.version].map(|text| excerpt(text, MOST_SHOWN));
-    line!(out, "  written by  {name} {version}");
+    line!(out, "  written by  {} {}", manifest.creator.name, manifest.creator.version);
     line!(out, "  root        {}", format::hex(&archive.root()));
     line!(
         out,
@@ -88,7 +84,7 @@ pub fn info(args: &InfoArgs) -> Result<Outcome> {
         high[2]
     );
     if let Some(place) = &manifest.place {
-        line!(out, "  place       {}", excerpt(&place.to_string(), 4 * MOST_SHOWN));
+        line!(out, "  place       {place}");
     }
     let tiles = counted(receivers.tiles.into(), "tile");
     line!(out, "  receivers   {} in {tiles} of {}", receivers.count, receivers.tile_size);
@@ -97,7 +93,7 @@ pub fn info(args: &InfoArgs) -> Result<Outcome> {
     line!(out, "  settings    {}", first.join(" "));
     line!(out, "              {}; probes shared by {}", rest.join(" "), s.share);
     if !s.quality.is_empty() {
-        line!(out, "  quality     {}", excerpt(&s.quality, MOST_SHOWN));
+        line!(out, "  quality     {}", s.quality);
     }
     match &manifest.accuracy {
         Some(accuracy) => say_accuracy(&mut out, accuracy),
@@ -131,10 +127,8 @@ pub fn info(args: &InfoArgs) -> Result<Outcome> {
         let names = tables::MaterialsTable::from_block(&archive.block(format::MATERIALS, TileNumber::FIRST)?)?.name;
         let optics = tables::OpticsTable::from_block(&archive.block(format::OPTICS, TileNumber::FIRST)?)?;
         let of_material = names.iter().zip(optics.canopy.iter().zip(&optics.transmittance));
-        let canopies: Vec<String> = of_material
-            .filter(|(_, (is, _))| **is == 1)
-            .map(|(name, (_, tau))| format!("{}={tau}", excerpt(name, MOST_SHOWN)))
-            .collect();
+        let canopies: Vec<String> =
+            of_material.filter(|(_, (is, _))| **is == 1).map(|(name, (_, tau))| format!("{name}={tau}")).collect();
         if !canopies.is_empty() {
             line!(out, "  canopies    {}", canopies.join(" "));
         }
@@ -144,7 +138,7 @@ pub fn info(args: &InfoArgs) -> Result<Outcome> {
         let table = tables::BandsTable::from_block(&archive.block(format::BANDS, TileNumber::FIRST)?)?;
         let optics = table.optics(names.len()).unwrap_or_default();
         let stated = names.iter().zip(&optics).filter(|(_, optics)| **optics != BandOptics::default());
-        let stated: Vec<String> = stated.map(|(name, _)| excerpt(name, MOST_SHOWN)).collect();
+        let stated: Vec<&str> = stated.map(|(name, _)| name.as_str()).collect();
         line!(out, "  bands       {} values of {}", table.rows(), stated.join(", "));
     }
     line!(out, "  layer            blocks      raw bytes   stored bytes  a receiver");
