@@ -68,7 +68,7 @@ def readers(path: str):
         yield lambda: io.read_tmy2(path)
 
 
-def theirs(path: str):
+def sums_by_pvlib(path: str):
     """Sums in kWh/m2 by pvlib, None where a column is absent or has gaps; None if no reader fits."""
     for read in readers(path):
         try:
@@ -100,7 +100,7 @@ def total(column: pd.Series, hours: float):
     return None if values.isna().any() else float(values.clip(lower=0).sum()) * hours / 1000
 
 
-def ours(program: str, path: str):
+def sums_by_heliotile(program: str, path: str):
     """Sums by heliotile, or its refusal; and its warnings."""
     command = [program, "info", "--weather", path]
     done = subprocess.run(command, capture_output=True, text=True)
@@ -118,21 +118,21 @@ def main(program: str, paths: list[str]) -> int:
     print(f"{'file':58} {'pvlib GHI DNI DHI, kWh/m2':>30} {'heliotile':>30} {'off %':>7}")
     wrong = 0
     for path in paths:
-        theirs_now, (ours_now, refusal) = theirs(path), ours(program, path)
+        by_pvlib, (by_heliotile, refusal) = sums_by_pvlib(path), sums_by_heliotile(program, path)
         name = path.split("/")[-1][-58:]
         show = lambda sums: " ".join("%9.3f" % v if v is not None else f"{'-':>9}" for v in sums.values())
-        if ours_now is None:
-            said = "not read" if theirs_now is None else show(theirs_now)
+        if by_heliotile is None:
+            said = "not read" if by_pvlib is None else show(by_pvlib)
             print(f"{name:58} {said:>30} refused: {refusal.split(path + ':')[-1].strip()[:110]}")
             continue
-        if theirs_now is None:
-            print(f"{name:58} {'no reader':>30} {show(ours_now):>30}")
+        if by_pvlib is None:
+            print(f"{name:58} {'no reader':>30} {show(by_heliotile):>30}")
             continue
-        both = [(theirs_now[n], ours_now[n]) for n in NAMES if theirs_now[n] is not None and ours_now[n] is not None]
+        both = [(by_pvlib[n], by_heliotile[n]) for n in NAMES if by_pvlib[n] is not None and by_heliotile[n] is not None]
         beyond = [(a, max(abs(b - a) - PRINTED, 0.0)) for a, b in both]
         off = max((by / a if a > 0 else float(by > 0) for a, by in beyond), default=float("nan"))
         wrong += off > LIMIT
-        print(f"{name:58} {show(theirs_now):>30} {show(ours_now):>30} {100 * off:7.3f}{' <' if off > LIMIT else ''}")
+        print(f"{name:58} {show(by_pvlib):>30} {show(by_heliotile):>30} {100 * off:7.3f}{' <' if off > LIMIT else ''}")
     print(f"{wrong} of {len(paths)} files differ by more than {100 * LIMIT} %")
     return int(wrong > 0)
 
