@@ -2,7 +2,7 @@
 //! lie. Out: parts with their places and the site of each, the same wherever and whenever it is
 //! read.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -202,8 +202,12 @@ impl AtlasPlan {
         }
         let is_name =
             |name: &str| !name.is_empty() && name.bytes().all(|b| b.is_ascii_alphanumeric() || b"_-".contains(&b));
-        match self.parts.iter().find(|part| !is_name(&part.name)) {
-            Some(part) => Err(format!("`{}` is not a valid name of a part: letters, digits, - and _ only", part.name)),
+        if let Some(part) = self.parts.iter().find(|part| !is_name(&part.name)) {
+            return Err(format!("`{}` is not a valid name of a part: letters, digits, - and _ only", part.name));
+        }
+        let mut names = BTreeSet::new();
+        match self.parts.iter().find(|part| !names.insert(part.name.to_lowercase())) {
+            Some(part) => Err(format!("lists the part `{}` twice: its receivers would count twice", part.name)),
             None => Ok(()),
         }
     }

@@ -13,7 +13,7 @@ use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::site::morton::{morton_key, receiver_of_key};
 use heliotile_core::site::patch::Patch;
 use heliotile_core::site::receiver::{Receiver, TILE};
-use heliotile_scene::covering::receivers::{ReceiverRows, duplicate, no_receivers};
+use heliotile_scene::covering::receivers::{ReceiverRows, SurfaceHeight, duplicate, no_receivers};
 
 /// Receivers in Morton order, in temporary files if they exceed the memory budget.
 pub struct ReceiverTiles {
@@ -28,15 +28,17 @@ pub struct ReceiverTiles {
 impl ReceiverTiles {
     /// Reads a file as [`read_receivers`](heliotile_scene::covering::receivers::read_receivers)
     /// does, and sorts its receivers around `origin`. Temporary files go to `folder` if
-    /// `budget_bytes` do not suffice. `warnings` gets the columns that are ignored.
+    /// `budget_bytes` do not suffice. `surface` is what heights count from. `warnings`
+    /// gets the columns that are ignored.
     pub fn open(
         path: &Path,
         origin: DVec3,
         folder: &Path,
         budget_bytes: usize,
+        surface: SurfaceHeight,
         warnings: &mut Vec<String>,
     ) -> Result<Self> {
-        let mut rows = ReceiverRows::open(path, warnings)?;
+        let mut rows = ReceiverRows::open(path, warnings)?.over(surface);
         let mut by_place = Sorter::new(folder, budget_bytes / 2);
         let mut by_id = Sorter::new(folder, budget_bytes / 2);
         let end = loop {
@@ -259,7 +261,7 @@ mod tests {
 
         fn open(&self, path: &Path, budget: usize) -> Result<(ReceiverTiles, Vec<String>)> {
             let mut warnings = Vec::new();
-            Ok((ReceiverTiles::open(path, ORIGIN, self.0.path(), budget, &mut warnings)?, warnings))
+            Ok((ReceiverTiles::open(path, ORIGIN, self.0.path(), budget, &|_, _| Ok(None), &mut warnings)?, warnings))
         }
     }
 
@@ -358,7 +360,7 @@ mod tests {
             assert!(message.contains(line), "{message}");
         }
         let nowhere = Path::new("/nowhere/receivers.csv");
-        let refused = ReceiverTiles::open(nowhere, ORIGIN, Path::new("/nowhere"), 0, &mut Vec::new());
+        let refused = ReceiverTiles::open(nowhere, ORIGIN, Path::new("/nowhere"), 0, &|_, _| Ok(None), &mut Vec::new());
         let message = refused.err().expect("no file").to_string();
         assert!(message.starts_with("cannot read /nowhere/receivers.csv: "), "{message}");
     }

@@ -1,6 +1,8 @@
 //! Comparison of three runs of one model. In: hourly series without reflections, with EnergyPlus's
 //! own, and with injected light. Out: tables and pictures of loads and of the sun on surfaces.
 
+use std::collections::BTreeMap;
+
 use super::eso::HourlySeries;
 use super::report::Block;
 use heliotile_results::outputs::pictures::plot::{Axis, Plot, Series, Style};
@@ -19,36 +21,87 @@ pub const RUNS: [&str; 3] = ["none", "own", "injected"];
 /// Size of a picture, pixels.
 const SIZE: (u32, u32) = (760, 460);
 
+/// Name of the row of all keys; EnergyPlus writes names of surfaces in capitals.
+const ALL: &str = "all";
+
 /// Hours in a day.
 const DAY: usize = 24;
 
 /// Smallest mean that percentages are given for, in the unit of the variable.
 const LEAST: f64 = 1e-6;
 
+/// Areas of surfaces by name in small letters, m2.
+pub type SurfaceAreas = BTreeMap<String, f64>;
+
 /// Returns the sections of the report: tables of all variables, then pictures.
-pub fn compare(runs: &[HourlySeries; 3]) -> Vec<(String, Vec<Block>)> {
+pub fn compare(runs: &[HourlySeries; 3], areas: &SurfaceAreas) -> Vec<(String, Vec<Block>)> {
     let mut sections = Vec::new();
     for (variable, unit, title) in VARIABLES {
-        let rows = rows(runs, variable);
+        let rows = rows(runs, variable, areas);
         if rows.is_empty() {
             continue;
         }
+        if rows.iter().all(Row::is_zero) {
+            sections.push((title.to_owned(), vec![Block::Text(zero_text(variable))]));
+            continue;
+        }
         let head = ["name", "without", "own", "injected", "without, %", "injected, %", "RMS without", "RMS injected"];
+        let last = if is_per_area(variable) {
+            "is the mean of the surfaces outdoors by area"
+        } else {
+            "holds the sums of all rows"
+        };
         let text = format!(
             "Means in {unit} of the runs without reflections, with EnergyPlus's own reflections and with injected light. Percentages and \
-             RMS of hourly differences ({unit}) are relative to the run with EnergyPlus's own reflections. The last row holds the sums of \
-             all rows."
+             RMS of hourly differences ({unit}) are relative to the run with EnergyPlus's own reflections. The last row {last}."
         );
-        sections.push((
-            title.to_owned(),
-            vec![
-                Block::Text(text),
-                Block::Table(head.map(str::to_owned).to_vec(), rows.iter().map(Row::cells).collect()),
-            ],
-        ));
+        let mut blocks = vec![
+            Block::Text(text),
+            Block::Table(head.map(str::to_owned).to_vec(), rows.iter().map(Row::cells).collect()),
+        ];
+        if !is_per_area(variable) {
+            let head = ["month", "without, kWh", "own, kWh", "injected, kWh"].map(str::to_owned).to_vec();
+            blocks.push(Block::Text("Sums of all rows by month.".into()));
+            blocks.push(Block::Table(head, months(runs, variable)));
+        }
+        sections.push((title.to_owned(), blocks));
     }
-    sections.push(("Pictures".into(), vec![day(runs), surfaces(runs)]));
+    sections.push(("Pictures".into(), vec![day(runs), surfaces(runs, areas)]));
     sections
+}
+
+/// Returns true for a variable of power per area.
+fn is_per_area(variable: &str) -> bool {
+    VARIABLES.iter().any(|(name, unit, _)| *name == variable && *unit == "W/m2")
+}
+
+/// Returns the text in place of a table of zeros.
+fn zero_text(variable: &str) -> String {
+    let of_zones = VARIABLES[..2].iter().any(|(name, ..)| *name == variable);
+    if of_zones {
+        "0 in every hour of all runs: no system heats or cools the zones. Give the model ideal loads \
+         (`HVACTemplate:Zone:IdealLoadsAirSystem` and a thermostat) to compare loads."
+            .into()
+    } else {
+        "0 in every hour of all runs.".into()
+    }
+}
+
+/// Returns a row for each month with the sums of all keys in the three runs, kWh, and a row for
+/// their sum.
+fn months(runs: &[HourlySeries; 3], variable: &str) -> Vec<Vec<String>> {
+    let mut sums: BTreeMap<u8, [f64; 3]> = BTreeMap::new();
+    for (i, run) in runs.iter().enumerate() {
+        for (_, values) in run.values.iter().filter(|((name, _), _)| name == variable) {
+            for (value, month) in values.iter().zip(&run.months) {
+                sums.entry(*month).or_default()[i] += value / 1000.0;
+            }
+        }
+    }
+    let all = sums.values().fold([0.0; 3], |all, of| [all[0] + of[0], all[1] + of[1], all[2] + of[2]]);
+    let cells = |name: String, of: [f64; 3]| std::iter::once(name).chain(of.map(|kwh| format!("{kwh:.1}"))).collect();
+    let rows = sums.into_iter().map(|(month, of)| cells(month.to_string(), of));
+    rows.chain([cells("all".into(), all)]).collect()
 }
 
 /// One key of a variable: means of the three runs, and RMS differences of two from the run with
@@ -69,6 +122,10 @@ impl Row {
         Row { name: name.to_owned(), means: [mean(none), mean(own), mean(ours)], rms: [rms(none), rms(ours)] }
     }
 
+    fn is_zero(&self) -> bool {
+        self.means.iter().all(|mean| mean.abs() <= LEAST) && self.rms.iter().all(|rms| *rms <= LEAST)
+    }
+
     fn cells(&self) -> Vec<String> {
         let [none, own, ours] = self.means;
         let percent = |value: f64| match own.abs() > LEAST {
@@ -83,21 +140,34 @@ impl Row {
     }
 }
 
-/// Returns a row for each key that all three runs have, and a row for their sum.
-fn rows(runs: &[HourlySeries; 3], variable: &str) -> Vec<Row> {
+/// Returns a row for each key that all three runs have, and a row for all of them: their sum, or of
+/// a variable of power per area the mean by the areas that are known.
+fn rows(runs: &[HourlySeries; 3], variable: &str, areas: &SurfaceAreas) -> Vec<Row> {
     let [none, own, ours] = runs;
     let mut rows = Vec::new();
     let mut sums: [Vec<f64>; 3] = Default::default();
-    for (key, values) in own.0.iter().filter(|((name, _), _)| name == variable) {
-        let (Some(none), Some(ours)) = (none.0.get(key), ours.0.get(key)) else { continue };
-        for (sum, values) in sums.iter_mut().zip([none, values, ours]) {
-            sum.resize(values.len().max(sum.len()), 0.0);
-            sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
+    let weights: BTreeMap<&str, f64> = match is_per_area(variable) {
+        true => {
+            let all = own.values.keys().filter(|(name, _)| name == variable);
+            let known = all.filter_map(|(_, key)| Some((key.as_str(), *areas.get(&key.to_lowercase())?)));
+            let known: Vec<(&str, f64)> = known.collect();
+            let whole_m2: f64 = known.iter().map(|(_, area_m2)| area_m2).sum();
+            known.into_iter().map(|(key, area_m2)| (key, area_m2 / whole_m2)).collect()
+        }
+        false => own.values.keys().map(|(_, key)| (key.as_str(), 1.0)).collect(),
+    };
+    for (key, values) in own.values.iter().filter(|((name, _), _)| name == variable) {
+        let (Some(none), Some(ours)) = (none.values.get(key), ours.values.get(key)) else { continue };
+        if let Some(weight) = weights.get(key.1.as_str()) {
+            for (sum, values) in sums.iter_mut().zip([none, values, ours]) {
+                sum.resize(values.len().max(sum.len()), 0.0);
+                sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * value);
+            }
         }
         rows.push(Row::of(&key.1, [none, values, ours]));
     }
-    if !rows.is_empty() {
-        rows.push(Row::of("all", sums.each_ref().map(Vec::as_slice)));
+    if sums.iter().any(|sum| !sum.is_empty()) {
+        rows.push(Row::of(ALL, sums.each_ref().map(Vec::as_slice)));
     }
     rows
 }
@@ -106,7 +176,7 @@ fn rows(runs: &[HourlySeries; 3], variable: &str) -> Vec<Row> {
 /// unit.
 fn by_hour(run: &HourlySeries, variable: &str) -> Vec<(f64, f64)> {
     let (mut sums, mut days) = ([0.0; DAY], 1.0_f64);
-    for (_, values) in run.0.iter().filter(|((name, _), _)| name == variable) {
+    for (_, values) in run.values.iter().filter(|((name, _), _)| name == variable) {
         days = days.max(values.len() as f64 / DAY as f64);
         for (hour, value) in values.iter().enumerate() {
             if let Some(sum) = sums.get_mut(hour % DAY) {
@@ -119,7 +189,10 @@ fn by_hour(run: &HourlySeries, variable: &str) -> Vec<(f64, f64)> {
 
 /// Plots cooling by hour of the day, or the sun that windows transmit if no run has cooling.
 fn day(runs: &[HourlySeries; 3]) -> Block {
-    let cooled = runs.iter().any(|run| run.0.keys().any(|(name, _)| name == VARIABLES[1].0));
+    let of_cooling = |run: &HourlySeries| {
+        run.values.iter().any(|((name, _), values)| name == VARIABLES[1].0 && values.iter().any(|value| *value > LEAST))
+    };
+    let cooled = runs.iter().any(of_cooling);
     let (variable, _, title) = if cooled { VARIABLES[1] } else { VARIABLES[3] };
     let series = |(run, name): (&HourlySeries, &str)| Series::new(name, by_hour(run, variable), Style::Line);
     let plot = Plot {
@@ -132,10 +205,10 @@ fn day(runs: &[HourlySeries; 3]) -> Block {
 }
 
 /// Plots the sun absorbed by each surface against the run with EnergyPlus's own reflections.
-fn surfaces(runs: &[HourlySeries; 3]) -> Block {
-    let rows = rows(runs, VARIABLES[2].0);
-    let each = rows.split_last().map_or(&[][..], |(_, each)| each);
-    let points = |of: usize| each.iter().map(|row| (row.means[1], row.means[of])).collect();
+fn surfaces(runs: &[HourlySeries; 3], areas: &SurfaceAreas) -> Block {
+    let rows = rows(runs, VARIABLES[2].0, areas);
+    let each = || rows.iter().filter(|row| row.name != ALL);
+    let points = |of: usize| each().map(|row| (row.means[1], row.means[of])).collect();
     let marks = |name: &str, of: usize| Series::new(name, points(of), Style::Marks);
     let plot = Plot {
         title: "Sun absorbed by each opaque surface".into(),
@@ -157,5 +230,41 @@ mod tests {
     fn a_row_states_means_percent_and_rms() {
         let row = Row::of("wall", [&[12.0, 22.0], &[10.0, 20.0], &[10.0, 20.0]]);
         assert_eq!(row.cells(), ["wall", "17.00", "15.00", "15.00", "+13.33", "+0.00", "2.000", "0.000"]);
+    }
+
+    fn series(of: &[(&str, &str, [f64; 2])]) -> HourlySeries {
+        let key = |variable: &str, key: &str| (variable.to_owned(), key.to_owned());
+        let values = of.iter().map(|(variable, name, values)| (key(variable, name), values.to_vec()));
+        HourlySeries { values: values.collect(), months: vec![1, 2] }
+    }
+
+    /// Walls of 30 and 10 m2 that absorb 100 and 300 W/m2 absorb 150 W/m2 together; a floor
+    /// indoors, whose area is not known, does not count. Transmitted sun of 2000 and 500 W in two
+    /// months is 2 and 0.5 kWh.
+    #[test]
+    fn all_surfaces_have_their_mean_by_area() {
+        let (sun, through) = (VARIABLES[2].0, VARIABLES[3].0);
+        let run = || {
+            let walls = [(sun, "A", [100.0, 100.0]), (sun, "B", [300.0, 300.0]), (sun, "FLOOR", [0.0, 0.0])];
+            series(&[walls[0], walls[1], walls[2], (through, "W", [2000.0, 500.0])])
+        };
+        let areas = SurfaceAreas::from([("a".to_owned(), 30.0), ("b".to_owned(), 10.0)]);
+        let all = rows(&[run(), run(), run()], sun, &areas).pop().expect("a row");
+        assert_eq!((all.name.as_str(), all.means), ("all", [150.0; 3]));
+        let by_month = months(&[run(), run(), run()], through);
+        assert_eq!(by_month, [["1", "2.0", "2.0", "2.0"], ["2", "0.5", "0.5", "0.5"], ["all", "2.5", "2.5", "2.5"]]);
+    }
+
+    /// Zones that no system heats or cools get a sentence in place of a table of zeros, and the
+    /// picture shows transmitted sun: 0 tables of loads.
+    #[test]
+    fn loads_of_zero_are_said_in_words() {
+        let run = || series(&[(VARIABLES[1].0, "HALL", [0.0, 0.0]), (VARIABLES[3].0, "W", [1.0, 1.0])]);
+        let sections = compare(&[run(), run(), run()], &SurfaceAreas::new());
+        let (title, blocks) = &sections[0];
+        assert_eq!((title.as_str(), blocks.len()), (VARIABLES[1].2, 1));
+        assert!(matches!(&blocks[0], Block::Text(text) if text.contains("no system heats or cools")));
+        let picture = sections.last().and_then(|(_, blocks)| blocks.first());
+        assert!(matches!(picture, Some(Block::Picture(_, svg)) if svg.contains(VARIABLES[3].2)));
     }
 }

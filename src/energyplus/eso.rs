@@ -10,9 +10,14 @@ use std::path::Path;
 
 use heliotile_core::error::{Error, Result};
 
-/// Hourly values by variable and key.
+/// Hourly values by variable and key, and the month of each hour.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct HourlySeries(pub BTreeMap<(String, String), Vec<f64>>);
+pub struct HourlySeries {
+    /// Values by variable and key.
+    pub values: BTreeMap<(String, String), Vec<f64>>,
+    /// Month of each hour, from 1; 0 where it is not known.
+    pub months: Vec<u8>,
+}
 
 /// Smallest number of a variable; smaller numbers are headings: environments, hours, days.
 const FIRST_VARIABLE: u32 = 7;
@@ -41,7 +46,11 @@ pub fn read_eso(file: &Path, bytes: &[u8], wanted: &[&str]) -> Result<HourlySeri
             // Values count from the first hour on: only its kind of day tells a run from a design
             // day.
             1 => counts = false,
-            2 => counts = !rest.trim_end().ends_with("DesignDay"),
+            2 => {
+                counts = !rest.trim_end().ends_with("DesignDay");
+                let month = rest.split(',').nth(1).and_then(|month| month.trim().parse::<u8>().ok());
+                found.months.extend(counts.then(|| month.unwrap_or_default()));
+            }
             _ if !counts => {}
             _ => {
                 let Some(name) = names.get(&number) else { continue };
@@ -49,7 +58,7 @@ pub fn read_eso(file: &Path, bytes: &[u8], wanted: &[&str]) -> Result<HourlySeri
                     let what = format!("`{}` is not a number for {} of {}", rest.trim(), name.0, name.1);
                     Error::input(file, None, what, "run it again: the file was cut off")
                 })?;
-                found.0.entry(name.clone()).or_default().push(value);
+                found.values.entry(name.clone()).or_default().push(value);
             }
         }
     }
@@ -66,12 +75,12 @@ mod tests {
         2,1, 1, 1, 0, 2, 0.00,60.00,Monday\n7,2.5E1\nEnd of Data\n";
 
     /// With two environments and two variables, the design day and the other variable are left out:
-    /// 2 hours remain, 1.5 and 25. A value that is cut off is an error.
+    /// 2 hours of January remain, 1.5 and 25. A value that is cut off is an error.
     #[test]
     fn only_hours_of_the_run_period_are_read() {
         let series = read_eso(Path::new("a.eso"), TEXT.as_bytes(), &["Surface X"]).expect("read");
         let expected = [(("Surface X".to_owned(), "WALL".to_owned()), vec![1.5, 25.0])];
-        assert_eq!(series.0, BTreeMap::from(expected));
+        assert_eq!((series.values, series.months), (BTreeMap::from(expected), vec![1, 1]));
         let error = read_eso(Path::new("a.eso"), TEXT.replace("2.5E1", "2.5x").as_bytes(), &["Surface X"]);
         assert!(error.expect_err("cut").to_string().contains("`2.5x`"));
     }

@@ -19,11 +19,11 @@ pub fn program(words: &[OsString]) -> u8 {
         Ok(commands::Outcome::Fine) => 0,
         Ok(commands::Outcome::ProblemFound) => 1,
         Err(error @ Error::Stopped { .. }) => {
-            eprintln!("heliotile: {error}; to go on: {}", cli::again(words));
+            commands::complain(&format!("heliotile: {error}; to go on: {}\n", cli::again(words)));
             commands::exit_code()
         }
         Err(error) => {
-            eprintln!("heliotile: {}", cli::worded(error));
+            commands::complain(&format!("heliotile: {}\n", cli::worded(error)));
             2
         }
     }

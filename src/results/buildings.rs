@@ -10,6 +10,7 @@ use super::stream::TileStream;
 use crate::outputs::buildings::{Cadastre, Usable, building_rows, face_rows};
 use crate::outputs::tables::format::{Format, files_of};
 use heliotile_builder::transfer::Shown;
+use heliotile_builder::writing::claim::same_place;
 use heliotile_builder::writing::guards::guard_output;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::{Component, ComponentSet};
@@ -56,7 +57,7 @@ impl BuildingsRequest {
         for output in outputs() {
             check_table(output, inputs)?;
         }
-        if self.faces.as_deref() == Some(self.output.as_path()) {
+        if self.faces.as_deref().is_some_and(|faces| same_place(faces, &self.output)) {
             let what = "is the table of faces and the table of buildings";
             return Err(Error::input(&self.output, None, what, "give the table of faces a name of its own"));
         }

@@ -15,6 +15,8 @@ pub(crate) struct StatedHeights {
     pub foot_m: f64,
     /// Height of the base in scene coordinates, if the feature states it.
     pub base_m: Option<f64>,
+    /// False for a roof on posts.
+    pub has_walls: bool,
 }
 
 /// A building, or a part of one, in plan.

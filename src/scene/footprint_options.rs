@@ -24,8 +24,8 @@ pub enum HeightSource {
     Column {
         /// Name of the column.
         name: String,
-        /// Metres a unit of the column's numbers.
-        unit_m: f64,
+        /// Metres a unit of the column's numbers; `None`: the unit of the file's coordinates.
+        unit_m: Option<f64>,
     },
     /// One height for all features, metres.
     Metres(f64),
@@ -47,6 +47,9 @@ pub struct FootprintOptions {
     /// ground.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub base: Option<HeightSource>,
+    /// Names of the layers that are read of files with several. Empty: those of buildings.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub layer: Vec<String>,
 }
 
 impl FootprintOptions {
@@ -56,6 +59,7 @@ impl FootprintOptions {
             height: if self.height.is_empty() { other.height.clone() } else { self.height.clone() },
             storey_height_m: self.storey_height_m.or(other.storey_height_m),
             base: self.base.clone().or_else(|| other.base.clone()),
+            layer: if self.layer.is_empty() { other.layer.clone() } else { self.layer.clone() },
         }
     }
 
@@ -85,7 +89,7 @@ impl FromStr for HeightSource {
     type Err = String;
 
     /// Reads `9.5m` or `9.5` as metres and anything else as the name of a column; `HEIGHTROOF[ft]`
-    /// is a column in feet.
+    /// is a column in feet, `HEIGHT[m]` one in metres.
     fn from_str(text: &str) -> Result<Self, String> {
         let text = text.trim();
         let number = text.strip_suffix('m').unwrap_or(text).trim_end();
@@ -93,10 +97,12 @@ impl FromStr for HeightSource {
             Ok(metres) if metres.is_finite() && metres.abs() <= 9000.0 => Ok(HeightSource::Metres(metres)),
             Ok(metres) => Err(format!("{metres} m is no height on Earth")),
             Err(_) if text.is_empty() => Err("give the name of a column, or metres such as 9.5m".to_owned()),
-            Err(_) => Ok(match text.strip_suffix("[ft]") {
-                Some(name) => HeightSource::Column { name: name.trim_end().to_owned(), unit_m: FOOT_M },
-                None => HeightSource::Column { name: text.to_owned(), unit_m: 1.0 },
-            }),
+            Err(_) => {
+                let units = [("[ft]", FOOT_M), ("[m]", 1.0)];
+                let found = units.iter().find_map(|(unit, metres)| Some((text.strip_suffix(unit)?, Some(*metres))));
+                let (name, unit_m) = found.unwrap_or((text, None));
+                Ok(HeightSource::Column { name: name.trim_end().to_owned(), unit_m })
+            }
         }
     }
 }
@@ -118,7 +124,8 @@ impl From<HeightSource> for String {
 impl Display for HeightSource {
     fn fmt(&self, to: &mut fmt::Formatter) -> fmt::Result {
         match self {
-            HeightSource::Column { name, unit_m: 1.0 } => to.write_str(name),
+            HeightSource::Column { name, unit_m: None } => to.write_str(name),
+            HeightSource::Column { name, unit_m: Some(1.0) } => write!(to, "{name}[m]"),
             HeightSource::Column { name, .. } => write!(to, "{name}[ft]"),
             HeightSource::Metres(metres) => write!(to, "{metres}m"),
         }
@@ -129,8 +136,8 @@ impl Display for HeightSource {
 mod tests {
     use super::*;
 
-    /// Three texts are metres, three are columns, one of them in feet, and two are refused; each
-    /// source is read back from its own text.
+    /// Three texts are metres, four are columns, one of them in feet and one in metres, and two are
+    /// refused; each source is read back from its own text.
     #[test]
     fn a_source_of_heights_is_read_from_its_text() {
         let of = |text: &str| text.parse::<HeightSource>();
@@ -138,9 +145,10 @@ mod tests {
             ("9.5m", HeightSource::Metres(9.5)),
             ("9.5 m", HeightSource::Metres(9.5)),
             ("12", HeightSource::Metres(12.0)),
-            ("building:height", HeightSource::Column { name: "building:height".into(), unit_m: 1.0 }),
-            ("h_m", HeightSource::Column { name: "h_m".into(), unit_m: 1.0 }),
-            ("HEIGHTROOF[ft]", HeightSource::Column { name: "HEIGHTROOF".into(), unit_m: 0.3048 }),
+            ("building:height", HeightSource::Column { name: "building:height".into(), unit_m: None }),
+            ("h_m", HeightSource::Column { name: "h_m".into(), unit_m: None }),
+            ("HEIGHTROOF[ft]", HeightSource::Column { name: "HEIGHTROOF".into(), unit_m: Some(0.3048) }),
+            ("HGT[m]", HeightSource::Column { name: "HGT".into(), unit_m: Some(1.0) }),
         ] {
             assert_eq!(of(text), Ok(expected.clone()), "{text}");
             assert_eq!(of(&expected.to_string()), Ok(expected));

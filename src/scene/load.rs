@@ -15,7 +15,7 @@ use crate::formats;
 use crate::formats::{Asked, Content};
 use crate::geometry::{Geometry, Names};
 use crate::ground::endless::EndlessGround;
-use crate::ground::found::lies_free;
+use crate::ground::found::{lies_free, surrounds};
 use crate::ground::missing;
 use crate::ground::missing::{BELOW_M, heights};
 use crate::ground::model::{ModelGround, USUAL};
@@ -326,7 +326,7 @@ impl Pile {
         Ok(())
     }
 
-    /// Returns the plane of a scene whose files have no ground and the number of its material, and
+    /// Returns the plane of a scene whose files have no ground around it and the number of its material, and
     /// reports it.
     fn assume_ground(&mut self, palette: &mut Palette) -> Option<(EndlessGround, u32)> {
         let Pile { positions, triangles, objects, models, report, names, notes, .. } = self;
@@ -339,7 +339,8 @@ impl Pile {
             let bears = move |triangle: &&&RawTriangle| known.class(triangle.material) == (class, false);
             others.iter().filter(bears).map(|triangle| triangle.corners.map(corner))
         };
-        let found = lies_free(of_class(Class::Ground), of_class(Class::Obstruction));
+        let free = lies_free(of_class(Class::Ground), of_class(Class::Obstruction));
+        let found = free && surrounds(of_class(Class::Ground), of_class(Class::Obstruction));
         let Some(Model { file, ground, .. }) = models.first() else {
             let [low, _] = heights(positions, triangles.iter())?;
             if found {
@@ -347,7 +348,7 @@ impl Pile {
             }
             let plane_m = low - BELOW_M;
             let wholes: Vec<u32> = objects.iter().map(|object| whole_of(*object, names, notes)).collect();
-            report.warnings.push(missing::warning(positions, triangles, &wholes, plane_m));
+            report.warnings.push(missing::warning(positions, triangles, &wholes, plane_m, free));
             let (material, name) = palette.add_ground(Path::new(""), USUAL);
             report.assumed.push(name);
             return Some((EndlessGround { elevation_m: Some(plane_m) }, material));

@@ -14,10 +14,11 @@ use crate::materials::assumed::assumed;
 use crate::materials::select::{MaterialTable, class_of_name, nearest, select};
 use crate::materials::toml_file::read_toml;
 use crate::site::Part;
+use crate::surface_city::TREES;
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::material::{Class, Material};
-use heliotile_core::text::with_list;
+use heliotile_core::text::{counted, with_list};
 
 /// Most unused names of a table that are compared with names of the scene, and most names of the
 /// scene: malformed or hostile files hold tens of thousands.
@@ -171,6 +172,16 @@ impl Palette {
             })
             .collect();
         warnings.extend(assumed_warning(assumed));
+        let is_black = |entry: &&Entry| {
+            let of_reader = !self.tables.contains_key(&entry.source);
+            let is_canopy = |material: &Material| {
+                material.transmittance.is_some() && (entry.assumed || material.group.as_deref() == Some(TREES))
+            };
+            let canopy = entry.material.as_ref().filter(|material| is_canopy(material));
+            of_reader && canopy.is_some_and(|material| material.diffuse == 0.0)
+        };
+        let black = used.iter().filter_map(|entry| entry_of(&entry.name)).filter(is_black);
+        warnings.extend(black_warning(black.map(|entry| excerpt(entry.name.as_bytes())).collect()));
         let names: HashSet<&str> = used.iter().map(|entry| entry.name.as_str()).collect();
         for (path, table) in &self.tables {
             let is_used = |name: &str| {
@@ -212,6 +223,16 @@ fn assumed_warning(assumed: Vec<String>) -> Option<String> {
             Some(with_list(&sentence, assumed))
         }
     }
+}
+
+/// Returns the warning about leaves that scatter no light because no table says that they do.
+fn black_warning(names: Vec<String>) -> Option<String> {
+    let (first, count) = (names.first()?, names.len());
+    let others = if count > 1 { format!(" and {} more", counted(count as u64 - 1, "material")) } else { String::new() };
+    Some(format!(
+        "leaves of `{first}`{others} are black: they absorb the light that they do not let through; state their `diffuse` in a materials.toml \
+         ({{materials}}), such as 0.45"
+    ))
 }
 
 fn unused_warning(path: &Path, unused: Vec<String>) -> Option<String> {

@@ -193,6 +193,7 @@ struct Entry {
     height: Option<Heights>,
     storey_height: Option<f64>,
     base: Option<HeightSource>,
+    layer: Option<Layers>,
     dsm: Option<PathBuf>,
     dem: Option<PathBuf>,
     canopy: Option<PathBuf>,
@@ -212,11 +213,19 @@ enum Heights {
     Several(Vec<HeightSource>),
 }
 
+/// Value of `layer`: `layer = "buildings"`, or a list of such.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Layers {
+    One(String),
+    Several(Vec<String>),
+}
+
 const KEYS: &str = "write a table [[scene]] for each file: file = \"town.city.json\" and optionally materials = \"town.toml\", \
                     materials_only = true, offset = [x, y, z] in metres, scale = 0.001 (metres a unit), up = \"y\", \
                     rotate_deg = 30 (clockwise), elevation_m = 512, epsg = 28992 or latitude_deg and longitude_deg, \
                     lod = \"2.2\", assume_version = \"25.2\" of EnergyPlus, for terrain horizon_deg = 0.2, for footprints \
-                    height = \"height\" (a column, metres, or a list of such), storey_height = 3.0 and base = \"ground\"; in place of \
+                    height = \"height\" (a column, metres, or a list of such), storey_height = 3.0, base = \"ground\" and layer = \"buildings\"; in place of \
                     file for rasters of a city dsm = \"dsm.tif\" and optionally dem, canopy, landcover, step_m, least_building_m2, \
                     trunk_share, crown_transmittance; what holds for all files stands in a table [site]: epsg, latitude_deg, \
                     longitude_deg, rotate_deg, elevation_m, scale, up";
@@ -230,8 +239,10 @@ impl Site {
         for file in files {
             let listed = if file.is_dir() { listed_in(file)? } else { Some(file.clone()) };
             let Some(listed) = listed else {
-                site.parts
-                    .extend(input::members::of_folder(file, &TILES)?.iter().map(|tile| Part::plain(tile, materials)));
+                for folder in input::members::theme_folders(file).iter().chain([file]) {
+                    let tiles = input::members::of_folder(folder, &TILES)?;
+                    site.parts.extend(tiles.iter().map(|tile| Part::plain(tile, materials)));
+                }
                 continue;
             };
             if input::ending(&listed) == "toml" {
@@ -277,7 +288,7 @@ fn listed_in(folder: &Path) -> Result<Option<PathBuf>> {
     if listed.is_file() {
         return Ok(Some(listed));
     }
-    if !input::members::of_folder(folder, &TILES)?.is_empty() {
+    if !input::members::theme_folders(folder).is_empty() || !input::members::of_folder(folder, &TILES)?.is_empty() {
         return Ok(None);
     }
     let hint = "name the scene files in it, or list them in a site.toml there";
@@ -286,7 +297,7 @@ fn listed_in(folder: &Path) -> Result<Option<PathBuf>> {
 
 /// Endings of tiles of CityGML. The first one found in a folder counts, because code lists end with
 /// .xml as well.
-const TILES: [&str; 2] = ["gml", "xml"];
+const TILES: [&str; 3] = ["gml", "citygml", "xml"];
 
 fn read_site(path: &Path, materials: Option<&Path>) -> Result<Site> {
     let bytes = input::read(path)?;
@@ -359,7 +370,12 @@ fn footprints_of(entry: &Entry) -> std::result::Result<FootprintOptions, String>
         Some(Heights::One(source)) => vec![source.clone()],
         Some(Heights::Several(sources)) => sources.clone(),
     };
-    let options = FootprintOptions { height, storey_height_m: entry.storey_height, base: entry.base.clone() };
+    let layer = match &entry.layer {
+        None => Vec::new(),
+        Some(Layers::One(name)) => vec![name.clone()],
+        Some(Layers::Several(names)) => names.clone(),
+    };
+    let options = FootprintOptions { height, storey_height_m: entry.storey_height, base: entry.base.clone(), layer };
     options.check().map_err(|(_, what)| what)?;
     Ok(options)
 }

@@ -164,7 +164,7 @@ fn wrong_thresholds_and_archives_are_refused() {
         ("--threshold many", &["--threshold", "a number of 0 or more"]),
         ("--min-area -3", &["--min-area", "a number of 0 or more"]),
         ("-o b.xlsx", &["b.xlsx", ".parquet, .arrow"]),
-        ("-o b.csv --faces b.csv", &["b.csv: is the table of faces and the table of buildings"]),
+        ("-o b.csv --faces b.csv", &["b.csv: is named for two outputs"]),
     ] {
         folder.refused(&buildings(rest), parts);
         assert!(!folder.path("b.csv").exists());

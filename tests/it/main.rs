@@ -37,6 +37,7 @@ mod maps;
 mod mirrors;
 mod name_index;
 mod numerics;
+mod outputs;
 mod own_skies;
 mod paths;
 mod physics;

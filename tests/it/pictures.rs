@@ -262,7 +262,7 @@ fn what_cannot_be_drawn_is_refused() {
         ("--every total --plot x.svg", &["chart over time", "--every month"]),
         ("--every hour --plot x.png", &["one value for each place, not 72", "--every month or total"]),
         ("--every total -o x.png", &["pictures, with --plot: .png, .svg"]),
-        ("--every total --plot x.png --plot x.png", &["written twice"]),
+        ("--every total --plot x.png --plot x.png", &["named for two outputs"]),
         ("--every total --plot no/x.png", &["no/x.png", "mkdir -p no"]),
         ("--every total --plot x.png --model m.city.json -o n.city.json", &["--plot", "cannot be used with"]),
     ] {

@@ -21,6 +21,7 @@ mod site_tracer;
 mod tiles;
 mod unaltered;
 
+use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
@@ -51,7 +52,7 @@ pub use geometry::holds_objects;
 pub use manifest::BuildCounts;
 pub use output::{Output, Start};
 pub use plan::Plan;
-pub use prepared::PreparedScene;
+pub use prepared::{Below, PreparedScene};
 pub use report::{BuildReport, Kept, RayCounts};
 
 /// Folder and memory budget of a build.
@@ -69,7 +70,16 @@ impl Workspace {
     pub fn read_receivers(&self, path: &Path, scene: &Scene, observer: &dyn Observer) -> Result<ReceiverTiles> {
         let mut warnings = Vec::new();
         let budget = self.memory.length(Use::SortedReceivers);
-        let receivers = ReceiverTiles::open(path, scene.mesh.origin, &self.folder, budget, &mut warnings)?;
+        // Only a table of heights needs the scene's tree.
+        let prepared: OnceCell<PreparedScene> = OnceCell::new();
+        let surface = |x: f64, y: f64| -> Result<Option<f64>> {
+            if prepared.get().is_none() {
+                // The cell was empty, so that nothing is lost.
+                let _ = prepared.set(PreparedScene::new(scene)?);
+            }
+            Ok(prepared.get().and_then(|prepared| prepared.top(x, y)).map(|top| top.z))
+        };
+        let receivers = ReceiverTiles::open(path, scene.mesh.origin, &self.folder, budget, &surface, &mut warnings)?;
         let far = |farthest| far_receivers(scene, receivers.bounds(), farthest, receivers.count());
         warnings.extend(receivers.farthest().and_then(far).map(|far| format!("{}: {far}", path.display())));
         warnings.iter().for_each(|warning| observer.warn(warning));

@@ -167,12 +167,13 @@ impl Build<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use heliotile_core::weather::time::clock_zone::ClockZone;
 
     /// `weather_options` are in the JSON only if they differ from the default: 1 of 2 requests.
     #[test]
     fn only_stated_weather_options_are_kept() {
         let plain = AccuracyRequest { error_percent: Some(2.0), ..AccuracyRequest::default() };
-        let weather_options = WeatherOptions { zone_hours: Some(1.0), ..WeatherOptions::default() };
+        let weather_options = WeatherOptions { zone: Some(ClockZone::Hours(1.0)), ..WeatherOptions::default() };
         let clocked = AccuracyRequest { weather_options, ..plain.clone() };
         for (request, says) in [(plain, false), (clocked, true)] {
             let text = serde_json::to_string(&request).expect("JSON");

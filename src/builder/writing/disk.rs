@@ -91,13 +91,8 @@ impl Disk for SystemDisk {
     /// again.
     fn lock(&self, path: &Path) -> Result<Box<dyn DiskFile>> {
         for _ in 0..16 {
-            let file = OpenOptions::new()
-                .read(true)
-                .write(true)
-                .create(true)
-                .truncate(false)
-                .open(path)
-                .map_err(Error::io(path, "create"))?;
+            let how = OpenOptions::new().read(true).write(true).create(true).truncate(false).to_owned();
+            let file = open_regular(path, how).map_err(Error::io(path, "create"))?;
             match FileLock::try_new(file).map_err(Error::io(path, "lock"))? {
                 Some(file) if is_named(file.borrow(), path)? => return Ok(Box::new(file)),
                 Some(_) => {}
@@ -109,11 +104,12 @@ impl Disk for SystemDisk {
     }
 
     fn open(&self, path: &Path) -> io::Result<Box<dyn DiskFile>> {
-        Ok(Box::new(OpenOptions::new().read(true).write(true).open(path)?))
+        Ok(Box::new(open_regular(path, OpenOptions::new().read(true).write(true).to_owned())?))
     }
 
     fn create(&self, path: &Path) -> io::Result<Box<dyn DiskFile>> {
-        Ok(Box::new(OpenOptions::new().read(true).write(true).create(true).truncate(true).open(path)?))
+        let how = OpenOptions::new().read(true).write(true).create(true).truncate(true).to_owned();
+        Ok(Box::new(open_regular(path, how)?))
     }
 
     fn rename(&self, from: &Path, to: &Path) -> io::Result<()> {
@@ -131,6 +127,28 @@ impl Disk for SystemDisk {
         }
         Ok(())
     }
+}
+
+/// Opens a regular file. A link at the name is not followed, and a pipe or a device is refused.
+#[cfg(unix)]
+pub(super) fn open_regular(path: &Path, mut how: OpenOptions) -> io::Result<File> {
+    use std::os::unix::fs::OpenOptionsExt;
+    let file = how.custom_flags(libc::O_NOFOLLOW | libc::O_NONBLOCK).open(path).map_err(|source| {
+        match source.raw_os_error() == Some(libc::ELOOP) {
+            true => io::Error::other("it is a link, which is not followed"),
+            false => source,
+        }
+    })?;
+    match file.metadata()?.is_file() {
+        true => Ok(file),
+        false => Err(io::Error::other("it is a pipe or a device")),
+    }
+}
+
+/// Opens a regular file.
+#[cfg(not(unix))]
+pub(super) fn open_regular(path: &Path, how: OpenOptions) -> io::Result<File> {
+    how.open(path)
 }
 
 /// Plain or locked file.
@@ -178,7 +196,7 @@ pub fn write_all_at(file: &File, mut bytes: &[u8], mut offset: u64) -> io::Resul
 
 /// Returns true if `path` still names this open file.
 #[cfg(unix)]
-fn is_named(file: &File, path: &Path) -> Result<bool> {
+pub(super) fn is_named(file: &File, path: &Path) -> Result<bool> {
     use std::os::unix::fs::MetadataExt;
     let ours = file.metadata().map_err(Error::io(path, "look at"))?;
     match fs::metadata(path) {
@@ -190,6 +208,6 @@ fn is_named(file: &File, path: &Path) -> Result<bool> {
 
 /// Returns true if `path` exists. Systems other than Unix cannot compare files.
 #[cfg(not(unix))]
-fn is_named(_: &File, path: &Path) -> Result<bool> {
+pub(super) fn is_named(_: &File, path: &Path) -> Result<bool> {
     path.try_exists().map_err(Error::io(path, "look at"))
 }

@@ -8,6 +8,8 @@ use std::path::Path;
 use heliotile_core::archive::format;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::text::is_address;
+
+use super::claim::same_place;
 use heliotile_scene::site::Site;
 
 /// Refuses an output that would replace a file of the scene or another input.
@@ -22,9 +24,7 @@ pub fn guard_output(output: &Path, inputs: &[&Path]) -> Result<()> {
     let refuse = |what: &str| Err(Error::input(output, None, what, "give the output a name of its own"));
     match fs::metadata(output) {
         Ok(found) if !found.is_file() => refuse("is a folder or a device, no file can be put in its place"),
-        Ok(_) if inputs.iter().any(|input| same_file(input, output)) => {
-            refuse("is also an input, and would be replaced")
-        }
+        _ if inputs.iter().any(|input| same_place(input, output)) => refuse("is also an input, and would be replaced"),
         _ => Ok(()),
     }
 }
@@ -64,14 +64,6 @@ pub fn starts_as_archive(path: &Path) -> Option<bool> {
     let mut head = Vec::new();
     File::open(path).and_then(|file| file.take(format::MAGIC.len() as u64).read_to_end(&mut head)).ok()?;
     (!head.is_empty()).then(|| head == format::MAGIC)
-}
-
-/// Returns true if two paths lead to one file.
-pub fn same_file(a: &Path, b: &Path) -> bool {
-    match (fs::canonicalize(a), fs::canonicalize(b)) {
-        (Ok(a), Ok(b)) => a == b,
-        _ => false,
-    }
 }
 
 #[cfg(test)]

@@ -21,11 +21,13 @@
     )
 )]
 
+pub mod claim;
 pub mod copy;
 pub(crate) mod disk;
 pub mod file_lock;
 pub mod guards;
 pub(crate) mod journal;
+pub mod whole_file;
 pub(crate) mod writer;
 
 #[cfg(test)]

@@ -104,6 +104,7 @@ impl Writer {
         };
         let (partial, log) = (beside(".partial"), beside(".partial.log"));
         let partial = Handle::new(&partial, disk.lock(&partial)?);
+        check_own(&partial)?;
         let found = match interrupted {
             Interrupted::Discard => None,
             _ => journal::find(&*disk, &log, &partial)?,
@@ -358,6 +359,18 @@ impl Writer {
     }
 }
 
+/// Refuses a file at the name of the partial file that no build wrote: its bytes would be lost. A
+/// header that did not reach the disk before a loss of power is zeros.
+fn check_own(partial: &Handle) -> Result<()> {
+    let length = partial.length()?.min(format::MAGIC.len() as u64);
+    let head = partial.read(0, usize::try_from(length).unwrap_or(0))?;
+    if format::MAGIC.starts_with(&head) || head.iter().all(|byte| *byte == 0) {
+        return Ok(());
+    }
+    let what = "is no interrupted build, and a build to this name would replace it";
+    Err(Error::input(partial.path(), None, what, "move it away, or give the archive another name"))
+}
+
 /// Returns the error for a build that would overwrite an interrupted one.
 fn lies_there(partial: &Path, done: Progress) -> Error {
     let what = format!("is an interrupted build of which {} blocks, {} bytes are done", done.blocks, done.bytes);
@@ -419,13 +432,18 @@ mod tests {
     }
 
     /// A partial file of 100 kB from another run leaves no byte in the new file, and 4 threads that
-    /// race make one writer.
+    /// race make one writer. A file of that name that no build wrote is refused and keeps its 4
+    /// bytes.
     #[test]
     fn left_overs_are_overwritten() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("site.helio");
         let (clean, _) = test_site::bytes();
-        std::fs::write(folder.path().join("site.helio.partial"), vec![0xAA; 100_000]).unwrap();
+        let partial = folder.path().join("site.helio.partial");
+        std::fs::write(&partial, "mine").unwrap();
+        assert!(Writer::create(&path, &JOB).unwrap_err().to_string().contains("is no interrupted build"));
+        assert_eq!(std::fs::read(&partial).unwrap(), b"mine");
+        std::fs::write(&partial, [&format::MAGIC[..], &[0xAA; 100_000]].concat()).unwrap();
         let writers = std::thread::scope(|scope| {
             let all: Vec<_> = (0..4).map(|_| scope.spawn(|| Writer::create(&path, &JOB))).collect();
             all.into_iter().map(|t| t.join().unwrap()).collect::<Vec<_>>()

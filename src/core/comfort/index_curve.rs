@@ -48,6 +48,14 @@ impl IndexCurve {
         };
         value.is_finite().then_some(value)
     }
+
+    /// Returns the index at the highest mean radiant temperature at which it has a value, if this
+    /// one is hotter: a lower bound, because both indices rise with the mean radiant temperature.
+    pub fn least_beyond(&self, mean_radiant_c: f64) -> Option<f64> {
+        let last = self.values.iter().rposition(|value| value.is_finite())?;
+        let is_beyond = mean_radiant_c > self.first_c + STEP_K * last as f64;
+        self.values.get(last).filter(|_| is_beyond).map(|value| f64::from(*value))
+    }
 }
 
 #[cfg(test)]
@@ -90,6 +98,11 @@ mod tests {
                 assert!((found - expected).abs() < 0.01, "{air_c} {radiant_c}: {found} {expected}");
             }
             assert_eq!((of_utci.at(air_c - 32.0), of_utci.at(air_c + 75.0)), (None, None));
+            // Beyond 70 K above the air the UTCI at 70 K is a lower bound.
+            let bound = of_utci.least_beyond(air_c + 75.0).zip(utci(air_c + 70.0));
+            assert!(bound.is_some_and(|(bound, at_70)| (bound - at_70).abs() < 0.01), "{air_c}: {bound:?}");
+            assert_eq!((of_utci.least_beyond(air_c + 69.5), of_utci.least_beyond(air_c - 32.0)), (None, None));
+            assert!(of_pet.least_beyond(air_c + 91.0).is_some());
             assert_eq!((of_pet.at(air_c - 36.0), of_pet.at(air_c + 91.0), of_pet.at(f64::NAN)), (None, None, None));
         }
     }

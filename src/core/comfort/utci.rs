@@ -15,8 +15,12 @@ pub const CALM_M_S: f64 = 0.5;
 
 /// Range of the air temperature, degrees Celsius.
 const AIR_RANGE_C: RangeInclusive<f64> = -50.0..=50.0;
-/// Range of the mean radiant temperature less the air temperature, K.
-const RADIANT_EXCESS_RANGE_K: RangeInclusive<f64> = -30.0..=70.0;
+/// Largest mean radiant temperature less the air temperature, K.
+pub const MOST_RADIANT_EXCESS_K: f64 = 70.0;
+
+/// Range of the mean radiant temperature less the air temperature, K: -30 to 70, and a little more,
+/// because a difference of temperatures is not exact.
+const RADIANT_EXCESS_RANGE_K: RangeInclusive<f64> = -30.000_001..=MOST_RADIANT_EXCESS_K + 1e-6;
 /// Range of the wind at 10 m, m/s.
 const WIND_RANGE_M_S: RangeInclusive<f64> = CALM_M_S..=17.0;
 /// Largest vapour pressure, hPa: a dew point of 32.9 degrees Celsius. UTCI_a002.f90 refuses more,

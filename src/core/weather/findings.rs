@@ -20,6 +20,8 @@ pub enum Finding {
     Negative,
     /// DNI with the sun below the horizon throughout is left out.
     BelowHorizon,
+    /// DHI of at most [`DARK_GHI_W_M2`] after the end of civil twilight is left out.
+    NightOffset,
     /// GHI above [`DARK_GHI_W_M2`] with the sun below the horizon throughout is used unchanged.
     GhiBelowHorizon,
     /// DNI is above the irradiance outside the atmosphere and is used unchanged.
@@ -33,13 +35,14 @@ pub enum Finding {
 /// Largest GHI of an interval without sun that is no finding, W/m2: twilight gives less.
 pub const DARK_GHI_W_M2: f64 = 20.0;
 
-const KINDS: [Finding; 10] = [
+const KINDS: [Finding; 11] = [
     Finding::ComputedDni,
     Finding::ComputedDhi,
     Finding::SplitGhi,
     Finding::Zeroed,
     Finding::Negative,
     Finding::BelowHorizon,
+    Finding::NightOffset,
     Finding::GhiBelowHorizon,
     Finding::AboveExtraterrestrial,
     Finding::DhiAboveGhi,
@@ -53,8 +56,8 @@ pub struct Tally {
     pub rows: usize,
     /// Total length of the rows, hours.
     pub hours: f64,
-    /// Energy of the DNI of these rows, kWh/m2.
-    pub dni_kwh_m2: f64,
+    /// Energy of the DNI of these rows, of [`Finding::NightOffset`] of the DHI, kWh/m2.
+    pub kwh_m2: f64,
     /// Line of the first row, counted from 1.
     pub first_line: usize,
 }
@@ -72,14 +75,14 @@ pub struct Findings([Tally; KINDS.len()]);
 
 impl Findings {
     /// Counts a row of `hours`; lines come in rising order.
-    pub fn add(&mut self, kind: Finding, line: usize, hours: f64, dni_w_m2: f64) {
+    pub fn add(&mut self, kind: Finding, line: usize, hours: f64, w_m2: f64) {
         if let Some(tally) = self.0.get_mut(kind as usize) {
             if tally.rows == 0 {
                 tally.first_line = line;
             }
             tally.rows += 1;
             tally.hours += hours;
-            tally.dni_kwh_m2 += kwh_from_w(dni_w_m2, hours);
+            tally.kwh_m2 += kwh_from_w(w_m2, hours);
         }
     }
 
@@ -91,7 +94,7 @@ impl Findings {
     /// Iterates over a sentence for each kind that occurs, with the line of its first row.
     pub fn sentences(&self) -> impl Iterator<Item = (usize, String)> {
         KINDS.into_iter().map(|kind| (kind, self.of(kind))).filter(|(_, tally)| tally.rows > 0).map(|(kind, tally)| {
-            let Tally { dni_kwh_m2, first_line, .. } = tally;
+            let Tally { kwh_m2, first_line, .. } = tally;
             let hours = tally.tidy_hours();
             let sentence = match kind {
                 Finding::ComputedDni => format!("missing DNI of {hours} hours computed from GHI = DHI + DNI cos(z)"),
@@ -105,14 +108,18 @@ impl Findings {
                 }
                 Finding::Negative => format!("small negative irradiances of {hours} hours set to 0"),
                 Finding::BelowHorizon => {
-                    format!("DNI with the sun below the horizon in {hours} hours, {dni_kwh_m2:.3} kWh/m2, is left out")
+                    format!("DNI with the sun below the horizon in {hours} hours, {kwh_m2:.3} kWh/m2, is left out")
                 }
+                Finding::NightOffset => format!(
+                    "light of {hours} hours with the sun more than 6 degrees below the horizon, {kwh_m2:.3} kWh/m2, is \
+                     an offset of the instrument and is left out"
+                ),
                 Finding::GhiBelowHorizon => format!(
                     "GHI above {DARK_GHI_W_M2} W/m2 with the sun below the horizon in {hours} hours: check the time zone \
                      and the time stamps ({{time_zone}}, {{weather_stamp}}, {{shift}})"
                 ),
                 Finding::AboveExtraterrestrial => format!(
-                    "DNI above what arrives outside the atmosphere in {hours} hours, {dni_kwh_m2:.3} kWh/m2, is \
+                    "DNI above what arrives outside the atmosphere in {hours} hours, {kwh_m2:.3} kWh/m2, is \
                      used unchanged; check these rows"
                 ),
                 Finding::DhiAboveGhi => format!(
@@ -133,7 +140,7 @@ impl Findings {
 mod tests {
     use super::*;
 
-    /// Kinds stand in the list in the order of their numbers, 9 of 9, so that each is counted in
+    /// Kinds stand in the list in the order of their numbers, 11 of 11, so that each is counted in
     /// its own place. The first line is kept, hours and energy add up to 1.5 h and 1.6 kWh/m2.
     #[test]
     fn findings_are_counted_by_kind() {
@@ -141,7 +148,7 @@ mod tests {
         let mut findings = Findings::default();
         findings.add(Finding::BelowHorizon, 12, 1.0, 800.0);
         findings.add(Finding::BelowHorizon, 14, 0.5, 1600.0);
-        let expected = Tally { rows: 2, hours: 1.5, dni_kwh_m2: 1.6, first_line: 12 };
+        let expected = Tally { rows: 2, hours: 1.5, kwh_m2: 1.6, first_line: 12 };
         assert_eq!(findings.of(Finding::BelowHorizon), expected);
         let told: Vec<_> = findings.sentences().collect();
         assert_eq!(told.len(), 1);

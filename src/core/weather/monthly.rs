@@ -56,6 +56,7 @@ mod tests {
 
     use crate::weather::formats::weather_file::parse_weather_as;
     use crate::weather::options::WeatherOptions;
+    use crate::weather::time::clock_zone::ClockZone;
 
     /// Two hours of May and one of June, 400, 300 and 200 W/m2 of DHI, give 0.7 and 0.2 kWh/m2. The
     /// GHI of June, which the file leaves out, is not stated, and neither is that of all rows.
@@ -66,7 +67,7 @@ mod tests {
         let place = WeatherOptions {
             latitude_deg: Some(47.0),
             longitude_deg: Some(8.0),
-            zone_hours: Some(1.0),
+            zone: Some(ClockZone::Hours(1.0)),
             ..WeatherOptions::default()
         };
         let weather = parse_weather_as(Path::new("w.csv"), text.as_bytes(), &place, &mut || Ok(None)).expect("weather");

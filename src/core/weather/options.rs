@@ -2,9 +2,10 @@
 //! as text. Out: checked values.
 
 use serde::de::Error;
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::named::NamedValues;
+use crate::weather::time::clock_zone::ClockZone;
 use std::str::FromStr;
 
 /// Options for reading a weather file. The default takes the statements of the file.
@@ -15,10 +16,11 @@ pub struct WeatherOptions {
     pub latitude_deg: Option<f64>,
     /// Longitude, east positive, in place of the file's.
     pub longitude_deg: Option<f64>,
-    /// Hours that the clock is ahead of UTC, in place of the file's; in JSON a number, or a text
-    /// such as `+01:00`.
-    #[serde(deserialize_with = "zone_of")]
-    pub zone_hours: Option<f64>,
+    /// Clock of the file, in place of the file's own: standard time, or the legal time of a zone by
+    /// name, by which days then go. In JSON `zone_hours`: a number of hours ahead of UTC, or a text
+    /// such as `+01:00` or `Europe/Amsterdam`.
+    #[serde(rename = "zone_hours", deserialize_with = "zone_of", serialize_with = "zone_as_stated")]
+    pub zone: Option<ClockZone>,
     /// Shift of the time stamps.
     pub shift: TimeShift,
     /// Place of a time stamp in its interval, in place of what is usual for the format.
@@ -38,16 +40,19 @@ enum StatedZone {
     Text(String),
 }
 
-fn zone_of<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
+fn zone_as_stated<S: Serializer>(zone: &Option<ClockZone>, serializer: S) -> Result<S::Ok, S::Error> {
+    match zone {
+        None => serializer.serialize_none(),
+        Some(ClockZone::Hours(hours)) => hours.serialize(serializer),
+        Some(named) => named.serialize(serializer),
+    }
+}
+
+fn zone_of<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<ClockZone>, D::Error> {
     match Option::<StatedZone>::deserialize(deserializer)? {
         None => Ok(None),
-        Some(StatedZone::Hours(hours)) => Ok(Some(hours)),
-        Some(StatedZone::Text(text)) => {
-            let hours = parse_zone(&text).map(Some);
-            hours.ok_or_else(|| {
-                D::Error::custom(format!("`{text}` is not a time zone: give hours ahead of UTC, such as +01:00"))
-            })
-        }
+        Some(StatedZone::Hours(hours)) => Ok(Some(ClockZone::Hours(hours))),
+        Some(StatedZone::Text(text)) => text.parse().map(Some).map_err(D::Error::custom),
     }
 }
 
@@ -246,18 +251,20 @@ mod tests {
         }
     }
 
-    /// Options come back from their JSON, with a zone that is a number, a text or none, 3 of 3. A
-    /// text that is no zone is refused.
+    /// Options come back from their JSON, with a zone that is a number, a text, a name or none, 4
+    /// of 4. A text that is no zone is refused.
     #[test]
     fn options_come_back_from_json() {
         let read = |zone: &str| serde_json::from_str::<WeatherOptions>(&format!("{{\"zone_hours\": {zone}}}"));
-        for (text, hours) in [("5.5", Some(5.5)), ("\"-03:30\"", Some(-3.5)), ("null", None)] {
+        for (text, hours) in
+            [("5.5", Some(5.5)), ("\"-03:30\"", Some(-3.5)), ("null", None), ("\"Asia/Tokyo\"", Some(9.0))]
+        {
             let options = read(text).expect(text);
-            assert_eq!(options.zone_hours, hours);
+            assert_eq!(options.zone.map(|zone| zone.standard_hours(2021)), hours);
             let again = serde_json::to_string(&options).expect("JSON");
             assert_eq!(serde_json::from_str::<WeatherOptions>(&again).expect("options"), options);
         }
-        assert!(read("\"CET\"").expect_err("no zone").to_string().contains("`CET` is not a time zone"));
+        assert!(read("\"Mars\"").expect_err("no zone").to_string().contains("`Mars` is not a time zone"));
     }
 
     /// 41min, -30min, 0.5h, 1h and 90s are 41, -30, 30, 60 and 1.5 minutes. Seven other texts are

@@ -48,7 +48,8 @@ impl FromStr for Moment {
             let minutes = match time {
                 None => None,
                 Some(time) => {
-                    let (hours, minutes) = time.split_once(':')?;
+                    let (hours, minutes) =
+                        time.strip_suffix(":00").filter(|time| time.contains(':')).unwrap_or(time).split_once(':')?;
                     let (hours, minutes) = (number(hours)?, number(minutes)?);
                     if hours > 24 || minutes > 59 || hours * 60 + minutes > 1440 {
                         return None;

@@ -7,7 +7,6 @@ mod runs;
 mod stripped;
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -32,7 +31,7 @@ use heliotile_core::text::counted;
 use heliotile_results::Resources;
 use heliotile_results::covering::cover_site;
 use heliotile_results::covering::{CoverRequest, Density, PlacedReceivers};
-use heliotile_results::outputs::sink::write_texts;
+use heliotile_results::outputs::sink::{write_file, write_texts};
 use heliotile_results::site_archive::{KEEP_OR_REPLACE, TraceRequest, WaysOut, build_or_reuse};
 use heliotile_scene::Scene;
 use heliotile_scene::input;
@@ -122,6 +121,23 @@ pub(super) struct Targets {
     pub hidden: Vec<String>,
     /// Surfaces a part of whose area is hidden.
     pub partly: Vec<PartlyHidden>,
+}
+
+impl Targets {
+    /// Returns the number of surfaces with light of their own: those of the report's table.
+    pub(super) fn own(&self) -> usize {
+        let numbers: BTreeSet<usize> = self.list.iter().filter_map(|(_, number)| *number).collect();
+        numbers.len()
+    }
+
+    /// Words the other surfaces, for a sentence on the first ones.
+    pub(super) fn others(&self) -> String {
+        let words = |count: usize, what: &str| match count {
+            0 => String::new(),
+            count => format!(", {} {what}", counted(count as u64, "surface")),
+        };
+        [words(self.by_wall.len(), "that of their wall"), words(self.hidden.len(), "none (hidden)")].concat()
+    }
 }
 
 /// A surface a part of which is hidden.
@@ -286,6 +302,7 @@ fn run(task: &Task) -> Result<()> {
             document,
             weather,
             &task.request.folder.join("energyplus"),
+            &areas(&covered),
             task.resources.observer,
         )?);
     }
@@ -449,19 +466,16 @@ fn targets(document: &Document, lights: &[SurfaceLight], covered: &PlacedReceive
 }
 
 fn write_document(path: &Path, document: &Document) -> Result<()> {
-    let mut name = path.as_os_str().to_os_string();
-    name.push(".partial");
-    let partial = PathBuf::from(name);
-    fs::write(&partial, document.bytes()).map_err(Error::io(&partial, "write"))?;
-    fs::rename(&partial, path).map_err(Error::io(path, "rename to"))
+    write_file(path, &document.bytes())
 }
 
 fn summary(files: &Files, targets: &Targets, changed: &Changed) -> String {
     format!(
-        "{}: {} get reflected light from {}; {} lists them\nenergyplus -w WEATHER.epw -d results {}\n",
+        "{}: {} get reflected light from {}{}; {} lists them\nenergyplus -w WEATHER.epw -d results {}\n",
         files.model.display(),
-        counted(targets.list.len() as u64, "surface"),
+        counted(targets.own() as u64, "surface"),
         counted(changed.tables as u64, "table"),
+        targets.others(),
         files.model.with_file_name(REPORT[0]).display(),
         files.model.display()
     )

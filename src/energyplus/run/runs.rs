@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
-use crate::comparison::{RUNS, VARIABLES, compare};
+use crate::comparison::{RUNS, SurfaceAreas, VARIABLES, compare};
 use crate::document::Document;
 use crate::eso::{HourlySeries, read_eso};
 use crate::injection::{DISTRIBUTION, WITH_OWN};
@@ -92,13 +92,14 @@ impl Engine {
 }
 
 /// Runs all three variants and compares them. `bare` returns the model without injected light, with
-/// its surroundings.
+/// its surroundings; `areas` are those of its surfaces outdoors.
 pub fn run_all(
     engine: &Engine,
     bare: &dyn Fn() -> Result<Document>,
     injected: Document,
     weather: &Path,
     folder: &Path,
+    areas: &SurfaceAreas,
     observer: &dyn Observer,
 ) -> Result<Sections> {
     let (mut none, mut own) = (bare()?, bare()?);
@@ -132,7 +133,7 @@ pub fn run_all(
     )];
     let series: Vec<HourlySeries> = results.into_iter().map(|(_, series)| series).collect();
     if let Ok(series) = <[HourlySeries; 3]>::try_from(series) {
-        sections.extend(compare(&series));
+        sections.extend(compare(&series, areas));
     }
     Ok(sections)
 }

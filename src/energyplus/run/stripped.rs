@@ -128,11 +128,12 @@ pub fn run(task: &Task, mut document: Document, steps: &Steps, full: Full) -> Re
     write_series(task, steps, &columns)?;
     write_document(&full.files.model, &document)?;
     task.report(&format!(
-        "{}: {} removed from the model, {} get light from {}; {} lists them\n",
+        "{}: {} removed from the model, {} get light from {}{}; {} lists them\n",
         full.files.model.display(),
         counted(deleted.shades as u64, "shading surface"),
-        counted(targets.list.len() as u64, "surface"),
+        counted(targets.own() as u64, "surface"),
         SERIES,
+        targets.others(),
         full.files.model.with_file_name(REPORT[0]).display(),
     ));
     let mut done = physics_lines(task.request.physics);
@@ -163,6 +164,7 @@ pub fn run(task: &Task, mut document: Document, steps: &Steps, full: Full) -> Re
             document,
             weather_file,
             &folder,
+            &areas(full.covered),
             task.resources.observer,
         )?);
     }

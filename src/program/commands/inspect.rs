@@ -15,7 +15,7 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::Component;
 use heliotile_core::site::bands::BandOptics;
 use heliotile_core::site::material::rounded;
-use heliotile_core::text::counted;
+use heliotile_core::text::{counted, excerpt};
 use heliotile_remote::places::open_archive;
 use heliotile_results::horizon::black_below_horizon;
 use heliotile_scene::placing::frame::SiteFrame;
@@ -23,6 +23,9 @@ use heliotile_scene::request::SceneRequest;
 
 /// Number of settings in the first of two lines.
 const SETTINGS_A_LINE: usize = 7;
+
+/// Most characters of a text of an archive that are shown.
+const MOST_SHOWN: usize = 80;
 
 /// `heliotile info`.
 pub fn info(args: &InfoArgs) -> Result<Outcome> {
@@ -63,7 +66,8 @@ pub fn info(args: &InfoArgs) -> Result<Outcome> {
     let mut out = String::new();
     let (scene, receivers, s) = (&manifest.scene, &manifest.receivers, &manifest.settings);
     line!(out, "{}", archive.path().display());
-    line!(out, "  written by  {} {}", manifest.creator.name, manifest.creator.version);
+    let [name, version] = [&manifest.creator.name, &manifest.creator.version].map(|text| excerpt(text, MOST_SHOWN));
+    line!(out, "  written by  {name} {version}");
     line!(out, "  root        {}", format::hex(&archive.root()));
     line!(
         out,
@@ -84,7 +88,7 @@ pub fn info(args: &InfoArgs) -> Result<Outcome> {
         high[2]
     );
     if let Some(place) = &manifest.place {
-        line!(out, "  place       {place}");
+        line!(out, "  place       {}", excerpt(&place.to_string(), 4 * MOST_SHOWN));
     }
     let tiles = counted(receivers.tiles.into(), "tile");
     line!(out, "  receivers   {} in {tiles} of {}", receivers.count, receivers.tile_size);
@@ -93,7 +97,7 @@ pub fn info(args: &InfoArgs) -> Result<Outcome> {
     line!(out, "  settings    {}", first.join(" "));
     line!(out, "              {}; probes shared by {}", rest.join(" "), s.share);
     if !s.quality.is_empty() {
-        line!(out, "  quality     {}", s.quality);
+        line!(out, "  quality     {}", excerpt(&s.quality, MOST_SHOWN));
     }
     match &manifest.accuracy {
         Some(accuracy) => say_accuracy(&mut out, accuracy),
@@ -127,8 +131,10 @@ pub fn info(args: &InfoArgs) -> Result<Outcome> {
         let names = tables::MaterialsTable::from_block(&archive.block(format::MATERIALS, TileNumber::FIRST)?)?.name;
         let optics = tables::OpticsTable::from_block(&archive.block(format::OPTICS, TileNumber::FIRST)?)?;
         let of_material = names.iter().zip(optics.canopy.iter().zip(&optics.transmittance));
-        let canopies: Vec<String> =
-            of_material.filter(|(_, (is, _))| **is == 1).map(|(name, (_, tau))| format!("{name}={tau}")).collect();
+        let canopies: Vec<String> = of_material
+            .filter(|(_, (is, _))| **is == 1)
+            .map(|(name, (_, tau))| format!("{}={tau}", excerpt(name, MOST_SHOWN)))
+            .collect();
         if !canopies.is_empty() {
             line!(out, "  canopies    {}", canopies.join(" "));
         }
@@ -138,7 +144,7 @@ pub fn info(args: &InfoArgs) -> Result<Outcome> {
         let table = tables::BandsTable::from_block(&archive.block(format::BANDS, TileNumber::FIRST)?)?;
         let optics = table.optics(names.len()).unwrap_or_default();
         let stated = names.iter().zip(&optics).filter(|(_, optics)| **optics != BandOptics::default());
-        let stated: Vec<&str> = stated.map(|(name, _)| name.as_str()).collect();
+        let stated: Vec<String> = stated.map(|(name, _)| excerpt(name, MOST_SHOWN)).collect();
         line!(out, "  bands       {} values of {}", table.rows(), stated.join(", "));
     }
     line!(out, "  layer            blocks      raw bytes   stored bytes  a receiver");

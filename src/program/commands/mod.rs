@@ -47,6 +47,7 @@ use heliotile_results::outputs::provenance::Provenance;
 use heliotile_scene::Scene;
 
 pub use console::interrupt::exit_code;
+pub use console::voice::aside as complain;
 
 /// Result of a command that ran.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,7 +61,8 @@ pub enum Outcome {
 /// Runs a command after a check of the files that it names; `about` is the provenance that files
 /// state.
 pub fn run(Cli { command, everywhere }: &Cli, about: Provenance) -> Result<Outcome> {
-    preflight::check(command)?;
+    let _outputs = preflight::check(command)?;
+    console::interrupt::clean_up();
     set_up(everywhere)?;
     let outcome = run_command(command, about);
     if let Some(traffic) = heliotile_remote::traffic().filter(|_| everywhere.verbose) {

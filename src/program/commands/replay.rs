@@ -1,6 +1,7 @@
 //! Commands that compute light from archives: `query`, `replay`, `compare`, `buildings`, `places`,
 //! `factors`. In: arguments. Out: requests that are run, and a summary sentence.
 
+use std::io::IsTerminal;
 use std::path::Path;
 
 use super::console::terminal::Terminal;
@@ -8,7 +9,7 @@ use super::console::voice::remark_aside;
 use super::{Outcome, remark};
 use crate::cli::{BuildingsArgs, CompareArgs, FactorsArgs, PlacesArgs, QueryArgs, ReplayArgs, SiteArgs};
 use heliotile_builder::spill::SystemTemp;
-use heliotile_core::error::Result;
+use heliotile_core::error::{Error, Result};
 use heliotile_core::text::counted;
 use heliotile_results::{Provenance, Resources};
 use heliotile_scene::input;
@@ -24,6 +25,11 @@ pub fn query(args: &QueryArgs, about: Provenance) -> Result<Outcome> {
 
 /// `heliotile replay`.
 pub fn replay(args: &ReplayArgs, about: Provenance) -> Result<Outcome> {
+    // A year of hours is thousands of lines a receiver: a table for programs, not for a terminal.
+    if args.prints_hours() && std::io::stdout().is_terminal() {
+        let hint = "name a file with {output}, give {every} year, month or total, or pipe the table into a program";
+        return Err(Error::argument("output", "would print every hour of every receiver to the terminal", hint));
+    }
     let table = &args.common.table;
     let done = with_resources(&table.site, |resources| {
         table.request().replay(&args.request()?, &args.files(), about, resources)
@@ -79,4 +85,25 @@ pub fn factors(args: &FactorsArgs, about: Provenance) -> Result<Outcome> {
 pub fn with_resources<T>(site: &SiteArgs, then: impl FnOnce(&Resources) -> Result<T>) -> Result<T> {
     let (storage, terminal) = (SystemTemp, Terminal::default());
     then(&Resources { memory: site.memory.into(), storage: &storage, files: &input::read, observer: &terminal })
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::cli::{Cli, Command};
+    use clap::Parser;
+
+    /// Without an output and a period, `replay` prints hours, so that it is refused on a terminal;
+    /// sums, a file, a picture and a Honeybee folder are not: 1 of 5.
+    #[test]
+    fn only_hours_without_a_file_are_printed() {
+        let prints = |options: &str| {
+            let line = format!("heliotile replay a.helio -w w.epw {options}");
+            match Cli::try_parse_from(line.split_whitespace()).expect("a command line").command {
+                Command::Replay(args) => args.prints_hours(),
+                _ => false,
+            }
+        };
+        let found = ["", "--every month", "-o t.csv", "--plot map.png", "--honeybee out"].map(prints);
+        assert_eq!(found, [true, false, false, false, false]);
+    }
 }

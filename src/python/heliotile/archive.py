@@ -25,10 +25,21 @@ class Archive(Askable):
     """A site that was traced once. Replay any weather, or query any sun and sky. Several threads
     may use one archive; it pickles by its path.
 
-    Use `Archive.open`.
+    `Archive.open("site.helio")` opens one, and so does `Archive("site.helio")`.
     """
 
-    def __init__(self, handle: _heliotile.ArchiveHandle, path: str, access: str = "map", grid_north: bool = False) -> None:
+    def __init__(
+        self,
+        handle: _heliotile.ArchiveHandle | str | os.PathLike[str],
+        path: str | None = None,
+        access: str = "map",
+        grid_north: bool = False,
+    ) -> None:
+        if isinstance(handle, (str, os.PathLike)):
+            path = os.fspath(handle)
+            handle = _heliotile.ArchiveHandle.open(path, access, grid_north)
+        if path is None:
+            raise TypeError("Archive needs the path of an archive: Archive.open(\"site.helio\")")
         self._handle = handle
         self._known: dict[str, np.ndarray] | None = None
         self.path, self.access, self.grid_north = path, access, grid_north

@@ -47,6 +47,9 @@ class Scene:
         Heights of footprints: a column of heights above the base, metres for all, or several
         sources, of which the first with a value counts. Metres per storey. Base of buildings: a
         column, or metres.
+    layer
+        Layers to read of a GeoPackage with several: one name, or a list; default: those of
+        buildings.
     dsm, dem, canopy, landcover
         Rasters from which a city is read (GeoTIFF, Esri ASCII grid): heights of the surface and of
         the ground above the sea, heights of crowns above the ground, codes of land cover. With
@@ -70,6 +73,7 @@ class Scene:
         height: str | float | Sequence[str | float] = (),
         storey_height: float | None = None,
         base: str | float | None = None,
+        layer: str | Sequence[str] = (),
         dsm: str | os.PathLike[str] | None = None,
         dem: str | os.PathLike[str] | None = None,
         canopy: str | os.PathLike[str] | None = None,
@@ -92,6 +96,7 @@ class Scene:
             "height": [str(source) for source in ([height] if isinstance(height, (str, float, int)) else height)],
             "storey_height": given.number("storey_height", storey_height, "give metres"),
             "base": None if base is None else str(base),
+            "layer": [layer] if isinstance(layer, str) else list(layer),
         }
         rasters = {"dsm": dsm, "dem": dem, "canopy": canopy, "landcover": landcover}
         self._args |= {name: None if path is None else os.fspath(path) for name, path in rasters.items()}
@@ -155,6 +160,7 @@ class Scene:
         said = {key: self._args[name] for name, key in frame.items() if self._args[name] is not None}
         request = {"files": self.files, "materials_only": self._args["materials_only"], "no_ground": not self._args["assume_ground"], "frame": said}
         footprints = {"height": self._args["height"], "storey_height_m": self._args["storey_height"], "base": self._args["base"]}
+        footprints["layer"] = self._args["layer"]
         footprints = {name: value for name, value in footprints.items() if value not in (None, [])}
         request |= {"footprints": footprints} if footprints else {}
         request |= {} if self._args["materials"] is None else {"materials": self._args["materials"]}

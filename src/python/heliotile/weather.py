@@ -48,9 +48,10 @@ class Weather:
         Degrees, north and east positive, in place of the file's. If neither states a location, that
         of the archive is used.
     time_zone
-        Hours ahead of UTC in standard time, such as `"+01:00"`, in place of the file's. Or the name
-        of a zone, for a table whose index names none: its times are then those of the zone's clock,
-        in summer and winter.
+        Hours ahead of UTC in standard time, such as `"+01:00"`, or the name of a zone, such as
+        `"Europe/Amsterdam"`, whose clock bounds the days, in summer and winter, in place of the
+        file's. An index of times names the zone of its days itself; times without a zone are those
+        of this clock.
     shift
         Moves time stamps: `"41min"`, `"-0.5h"` or `"auto"`.
     stamp
@@ -80,11 +81,13 @@ class Weather:
         if isinstance(source, tuple) and len(source) == 2 and isinstance(source[1], Mapping):
             # pvlib's readers return a table and the metadata of its location.
             source, about = source
-            latitude = about.get("latitude") if latitude is None else latitude
-            longitude = about.get("longitude") if longitude is None else longitude
+            place = _place_of(about)
+            latitude = place.get("latitude") if latitude is None else latitude
+            longitude = place.get("longitude") if longitude is None else longitude
+            stamp = stamp or _stamp_of(about)
         if isinstance(source, (str, os.PathLike)):
             self.name = os.fspath(source)
-            zone = None if time_zone is None else _hours(time_zone)
+            zone = None if time_zone is None else str(time_zone)
         else:
             self._bytes, zone = _table(source, name, time_zone)
         self._said = (given.number("latitude", latitude), given.number("longitude", longitude), zone, shift, stamp, date_order)
@@ -164,11 +167,11 @@ def _table(source: Any, name: str, time_zone: Any) -> tuple[bytes, str | None]:
             hint = f'state the zone, as in table.tz_localize("Etc/GMT-1") for UTC+01:00, or {name}=Weather(table, time_zone="+01:00")'
             raise refused(name, "its index has no time zone", hint)
         if _is_name(time_zone):
-            found, time_zone = _moments(_localized(given_times, time_zone, name)), None
+            found = _moments(_localized(given_times, time_zone, name))
         else:
             columns = {key: np.asarray(given_times.to_numpy()), **columns}
     if found is None:
-        zone = None if time_zone is None else _hours(time_zone)
+        zone = None if time_zone is None else str(time_zone)
     else:
         utc, of = found
         offset = standard_offset(of, utc)
@@ -177,7 +180,7 @@ def _table(source: Any, name: str, time_zone: Any) -> tuple[bytes, str | None]:
             # The second time stamp of a row, by the same clock.
             if (pair := _moments(source[other])) is not None:
                 columns[other] = _texts(pair[0], offset)
-        zone = str(offset.total_seconds() / 3600) if time_zone is None else _hours(time_zone)
+        zone = _name_of(of) or str(offset.total_seconds() / 3600) if time_zone is None else str(time_zone)
     # Other columns of times and of True and False are not part of weather.
     def is_told(other: str, values: np.ndarray) -> bool:
         is_time = _plain(other) in TIMES
@@ -253,6 +256,31 @@ def standard_offset(of: Any, utc: np.ndarray) -> timedelta:
     return min(offset for offset in offsets if offset is not None)
 
 
+def _place_of(about: Mapping[Any, Any]) -> Mapping[Any, Any]:
+    """Returns the part of a reader's metadata with latitude and longitude."""
+    inputs = about.get("inputs")
+    # PVGIS states its inputs beside its outputs.
+    location = inputs.get("location") if isinstance(inputs, Mapping) else None
+    return location if isinstance(location, Mapping) and "latitude" not in about else about
+
+
+def _stamp_of(about: Mapping[Any, Any]) -> str | None:
+    """Returns the position of time stamps in their intervals, by a reader's metadata; None where it
+    is that of other tables. TMY3 and SURFRAD are stamped with ends; NSRDB and PVGIS hold values of
+    moments."""
+    names = {str(name).lower() for name in about}
+    if "usaf" in names or "surfrad_version" in names:
+        return "end"
+    is_nsrdb = "nsrdb" in str(about.get("Source", about.get("source", ""))).lower()
+    return "middle" if is_nsrdb or "inputs" in names else None
+
+
+def _name_of(of: Any) -> str | None:
+    """Returns the name of a zone of the tz database, such as `Europe/Amsterdam`, if it has one."""
+    name = getattr(of, "key", None) or getattr(of, "zone", None)
+    return name if _is_name(name) else None
+
+
 def _is_name(time_zone: Any) -> bool:
     """Returns True for the name of a zone, such as `America/Denver`."""
     return isinstance(time_zone, str) and "/" in time_zone
@@ -266,16 +294,3 @@ def _zone(of: Any) -> Any:
         return datetime.fromisoformat(f"2000-01-01T00:00{of}").tzinfo if of[:1] in ("+", "-") else ZoneInfo(of)
     except (ZoneInfoNotFoundError, ValueError):
         raise given.wrong("time_zone", f"`{of}` is not a known time zone", 'give hours ahead of UTC, as in "+01:00", or a name such as "America/Denver"') from None
-
-
-def _hours(time_zone: Any) -> str:
-    """Returns hours ahead of UTC as text: of a number or text, or of the name of a zone whose clock
-    never changes."""
-    if not _is_name(time_zone):
-        return str(time_zone)
-    of = _zone(time_zone)
-    clocks = {datetime(year, month, 1, tzinfo=of).utcoffset() for year in range(1990, 2027) for month in range(1, 13)}
-    if len(clocks) > 1:
-        hint = 'give the offset of its standard time, as in "+01:00", or a DataFrame whose index has the times'
-        raise given.wrong("time_zone", f"`{time_zone}` has no constant offset from UTC", hint)
-    return str(next(clock for clock in clocks if clock is not None).total_seconds() / 3600)

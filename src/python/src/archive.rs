@@ -24,6 +24,7 @@ use heliotile_atlas::sources::{archives, open};
 use heliotile_builder::spill::SystemTemp;
 use heliotile_builder::transfer;
 use heliotile_builder::transfer::{Bounds, Selection};
+use heliotile_builder::writing::claim::OutputGuard;
 use heliotile_builder::writing::guards::{guard_archive, guard_output};
 use heliotile_core::archive::format;
 use heliotile_core::archive::{Access, Archive};
@@ -371,7 +372,9 @@ impl ArchiveHandle {
         let Comfort { choice, files } = request(asked).map_err(|error| raised(py, error))?;
         let (filled, request) = Filled::for_people(light, replay, choice).map_err(|error| raised(py, error))?;
         work::run(py, progress.as_ref(), |watch| {
-            request.check(&files, &[&self.place])?;
+            let inputs: Vec<&Path> = request.files().chain([self.place.as_path()]).collect();
+            request.check(&files, &inputs)?;
+            let _guard = OutputGuard::new(&inputs, &[])?;
             let receivers = self.choose(None, filled.memory)?;
             let archives = self.sources.borrowed();
             filled.with_series(archives, &SystemTemp, watch, |series, resources| {
@@ -536,6 +539,8 @@ impl ArchiveHandle {
     ) -> PyResult<T> {
         let asked = Filled::new(light, forcing).map_err(|error| raised(py, error))?;
         work::run(py, progress.as_ref(), |watch| {
+            let inputs: Vec<&Path> = asked.request.files().into_iter().chain([self.place.as_path()]).collect();
+            let _guard = OutputGuard::new(&inputs, &[])?;
             let receivers = self.choose(receivers, asked.memory)?;
             asked.with_series(self.sources.borrowed(), &SystemTemp, watch, |series, resources| {
                 then(&TileStream { receivers: &receivers, light: asked.light(), series, resources }, &asked)

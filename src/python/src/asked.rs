@@ -18,9 +18,10 @@ use heliotile_core::named::by_name;
 use heliotile_core::observer::Observer;
 use heliotile_core::replay::components::ComponentList;
 use heliotile_core::replay::reflectances::{Changes, ConstantOrFile};
-use heliotile_core::weather::options::{WeatherOptions, parse_zone};
+use heliotile_core::weather::options::WeatherOptions;
 use heliotile_core::weather::span::Moment;
 use heliotile_core::weather::temperatures::Temperature;
+use heliotile_core::weather::time::clock_zone::ClockZone;
 use heliotile_results::{
     Archives, BandChoice, BandList, ComfortChoice, ComfortRequest, Illumination, LightChoice, Provenance, QueryRequest,
     ReplayRequest, Resources, Series, SkyChoice, SkyFiles,
@@ -194,13 +195,15 @@ impl ReplayArgs {
                 .map_err(wrong(argument, "give a day, as in 2019-03-01 or 03-01"))
         };
         let zone = |text: &String| {
-            let hint = "give hours ahead of UTC, -12 to 14, such as \"+01:00\", -7, 5.5 or \"UTC\"";
-            parse_zone(text).ok_or_else(|| Error::argument("time_zone", format!("`{text}` is not a time zone"), hint))
+            let hint = "give hours ahead of UTC, -12 to 14, such as \"+01:00\", -7, 5.5 or \"UTC\", or a name such as \
+                        \"Europe/Amsterdam\"";
+            text.parse::<ClockZone>()
+                .map_err(|_| Error::argument("time_zone", format!("`{text}` is not a time zone"), hint))
         };
         let about_weather = WeatherOptions {
             latitude_deg: self.latitude,
             longitude_deg: self.longitude,
-            zone_hours: self.time_zone.as_ref().map(zone).transpose()?,
+            zone: self.time_zone.as_ref().map(zone).transpose()?,
             shift: match &self.shift {
                 Some(text) => text.parse().map_err(wrong("shift", "give a time, as in \"41min\""))?,
                 None => Default::default(),

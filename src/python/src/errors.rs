@@ -9,7 +9,21 @@ use heliotile_program::{command_of, option_of};
 
 /// Returns the exception of an error.
 pub fn raised(py: Python<'_>, error: Error) -> PyErr {
-    exception(py, &error.in_words(&in_python)).unwrap_or_else(|failed| failed)
+    exception(py, &about_weather(error).in_words(&in_python)).unwrap_or_else(|failed| failed)
+}
+
+/// Fields that describe weather; functions of Python take them from a `Weather`.
+const OF_WEATHER: [&str; 5] =
+    ["{time_zone}", "{weather_stamp}", "{shift}", "{date_order}", "{latitude} and {longitude} in degrees"];
+
+/// Adds to the advice of an error about weather where its keywords belong.
+fn about_weather(error: Error) -> Error {
+    match error {
+        Error::Input { file, line, what, hint } if OF_WEATHER.iter().any(|field| hint.contains(field)) => {
+            Error::Input { file, line, what, hint: hint + "; `heliotile.Weather(weather, ...)` takes these keywords" }
+        }
+        other => other,
+    }
 }
 
 /// Returns a text with Python's names of fields and commands.

@@ -59,6 +59,7 @@ pub struct SceneArgs {
     height: Vec<String>,
     storey_height: Option<f64>,
     base: Option<String>,
+    layer: Vec<String>,
     dsm: Option<PathBuf>,
     dem: Option<PathBuf>,
     canopy: Option<PathBuf>,
@@ -128,6 +129,7 @@ impl SceneArgs {
             height: self.height.iter().map(|text| source("height", text)).collect::<Result<_>>()?,
             storey_height_m: self.storey_height,
             base: self.base.as_ref().map(|text| source("base", text)).transpose()?,
+            layer: self.layer,
         };
         Ok(SceneRequest {
             footprints,

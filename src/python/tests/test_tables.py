@@ -77,8 +77,6 @@ def test_types_of_columns_do_not_matter(site: heliotile.Archive) -> None:
     assert (site.replay(heliotile.Weather(noted, **PLACE))["total"] == expected["total"]).all()
     istanbul = pd.DataFrame({"dni": 500.0, "dhi": 80.0}, index=pd.date_range("2019-06-20", periods=24, freq="h"))
     assert site.replay(heliotile.Weather(istanbul, time_zone="Europe/Istanbul", **PLACE)).utc_offset == timedelta(hours=3)
-    with pytest.raises(heliotile.ArgumentError, match="`Europe/Amsterdam` has no constant offset"):
-        site.replay(heliotile.Weather(plain, time_zone="Europe/Amsterdam", **PLACE))
     with pytest.raises(heliotile.InputError, match="the clock of `Europe/Amsterdam` shows an hour of the index twice"):
         autumn = pd.DataFrame({"dni": 1.0, "dhi": 1.0}, index=pd.date_range("2021-10-31", periods=24, freq="h"))
         heliotile.Weather(autumn, time_zone="Europe/Amsterdam", **PLACE)
@@ -89,9 +87,11 @@ def test_types_of_columns_do_not_matter(site: heliotile.Archive) -> None:
 
 
 def test_summer_time_becomes_standard_time(site: heliotile.Archive) -> None:
-    """A zone with summer time is told in standard time: one offset, +01:00, over the change of 28 March 2021, and in June alone."""
+    """A zone with summer time is told in standard time: one offset, +01:00, over the change of 28 March 2021, and in June alone. Two days of its clock are two days."""
     june = pd.DataFrame({"dni": 500.0, "dhi": 80.0}, index=pd.date_range("2021-06-20", periods=24, freq="h", tz="Europe/Amsterdam"))
     assert site.replay(heliotile.Weather(june, **PLACE)).utc_offset == timedelta(hours=1)
+    two_days = pd.DataFrame({"dni": 500.0, "dhi": 80.0}, index=pd.date_range("2021-06-01", periods=48, freq="h", tz="Europe/Amsterdam"))
+    assert site.replay(heliotile.Weather(two_days, **PLACE), every="day").shape[1] == 2
     index = pd.date_range("2021-03-27", periods=72, freq="h", tz="Europe/Amsterdam")
     frame = pd.DataFrame({"dni": 500.0, "dhi": 80.0}, index=index)
     results = site.replay(heliotile.Weather(frame, **PLACE))

@@ -14,6 +14,7 @@
 //! Formulas are in [`heliotile_core::comfort`], those of people in
 //! [`heliotile_core::comfort::people`]; the page uses them, too. Only `points` traces rays.
 
+mod beyond;
 mod climate;
 mod columns;
 mod pass;

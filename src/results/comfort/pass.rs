@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
+use super::beyond::HoursBeyond;
 use super::climate::climates;
 use super::columns::ComfortColumns;
 use super::persons::{PersonCollector, PersonSet, PointLight};
@@ -20,6 +21,7 @@ use crate::stream::TileStream;
 use heliotile_core::comfort::index_curve::IndexCurve;
 use heliotile_core::comfort::people::climate::HourClimate;
 use heliotile_core::comfort::people::columns::ComfortColumn;
+use heliotile_core::comfort::people::light::PersonNumbers;
 use heliotile_core::comfort::people::model::ComfortModel;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::named;
@@ -47,6 +49,7 @@ struct PointPass<'a> {
     asked: &'a [ComfortColumn],
     model: &'a ComfortModel,
     rows: &'a Series<'a>,
+    is_hourly: bool,
     place: &'a Path,
 }
 
@@ -90,7 +93,10 @@ impl ComfortRequest {
         let mut to = to.with_maps(&maps, &receivers, &told, resources)?;
         to.start()?;
         let (climates, asked) = (climates.as_slice(), asked.as_slice());
-        let pass = PointPass { set: &set, climates, columns: &columns, asked, model: &model, rows: &series, place };
+        let is_hourly = every == Every::Hour;
+        let pass =
+            PointPass { set: &set, climates, columns: &columns, asked, model: &model, rows: &series, is_hourly, place };
+        let mut beyond = HoursBeyond::default();
         let mut collector = PersonCollector::new(&set);
         let mut waiting: Vec<PointLight> = Vec::new();
         // The planes of a point may lie in several tiles, so points wait until all six are there.
@@ -98,12 +104,14 @@ impl ComfortRequest {
             collector.add(tile.ids, tile.values);
             waiting.extend(collector.complete());
             if waiting.len() >= POINTS_AT_ONCE {
-                pass.write(&std::mem::take(&mut waiting), &mut to)?;
+                pass.write(&std::mem::take(&mut waiting), &mut to, &mut beyond)?;
             }
             Ok(!to.is_closed())
         })?;
-        pass.write(&waiting, &mut to)?;
+        pass.write(&waiting, &mut to, &mut beyond)?;
         to.finish(resources.observer)?;
+        let told = beyond.warnings(&self.choice.above_c, is_hourly);
+        told.iter().for_each(|text| resources.observer.warn(text));
         Ok(ComfortDone { points: set.len() as u64, hours: climates.len() as u64 })
     }
 
@@ -157,8 +165,8 @@ impl ComfortRequest {
 }
 
 impl PointPass<'_> {
-    /// Writes the rows of some points.
-    fn write(&self, lights: &[PointLight], to: &mut RowFiles) -> Result<()> {
+    /// Writes the rows of some points, and counts their hours that are too hot for an index.
+    fn write(&self, lights: &[PointLight], to: &mut RowFiles, beyond: &mut HoursBeyond) -> Result<()> {
         if lights.is_empty() {
             return Ok(());
         }
@@ -168,10 +176,17 @@ impl PointPass<'_> {
                 let what = format!("the view shares of point `{}` are missing", self.set.name(point.number));
                 Error::defect(self.place, "receivers", "views", what)
             })?;
-            let numbers = point.light.numbers(&views, self.climates, self.asked, self.model);
-            Ok(self.columns.rows(&numbers, &self.rows.bins, &hours))
+            let mut numbers = point.light.numbers(&views, self.climates, self.asked, self.model);
+            if !self.is_hourly {
+                numbers.bound();
+            }
+            let rows = self.columns.rows(&numbers.values, &self.rows.bins, &hours);
+            numbers.values.clear();
+            Ok((rows, numbers))
         };
-        let rows: Vec<Vec<Vec<f32>>> = lights.par_iter().map(of_point).collect::<Result<_>>()?;
+        let found: Vec<(Vec<Vec<f32>>, PersonNumbers)> = lights.par_iter().map(of_point).collect::<Result<_>>()?;
+        lights.iter().zip(&found).for_each(|(light, (_, numbers))| beyond.add(light.number, numbers, &hours));
+        let rows: Vec<Vec<Vec<f32>>> = found.into_iter().map(|(rows, _)| rows).collect();
         let array = |number: usize| rows.iter().filter_map(|row| row.get(number)).flatten().copied().collect();
         let arrays: Vec<Vec<f32>> = (0..self.columns.count()).map(array).collect();
         let names: Vec<String> = lights.iter().map(|light| self.set.name(light.number).to_owned()).collect();

@@ -17,6 +17,7 @@ use std::path::{Path, PathBuf};
 use super::buildings::check_table;
 use super::files::FileRequest;
 use super::request::{LightChoice, QueryRequest, ReplayRequest};
+use heliotile_builder::writing::claim::same_place;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::{Component, ComponentList};
 
@@ -97,7 +98,7 @@ impl CompareRequest {
         let written = tables.into_iter().flatten().chain([files.output.as_path()]);
         let written: Vec<&Path> = written.filter(|path| *path != Path::new("-")).collect();
         for (number, path) in written.iter().enumerate() {
-            if written.iter().take(number).any(|other| other == path) {
+            if written.iter().take(number).any(|other| same_place(other, path)) {
                 let what = format!("`{}` is written twice", path.display());
                 return Err(Error::argument("output, summary, unmatched", what, "give each table a name of its own"));
             }

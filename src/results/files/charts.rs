@@ -16,6 +16,7 @@ use crate::outputs::quantities::Quantity;
 use crate::outputs::sink::Sink;
 use crate::outputs::tables::layout::{By, Layout};
 use crate::stream::{Tile, TileSink, TileStream};
+use heliotile_builder::writing::claim::same_place;
 use heliotile_builder::writing::guards::guard_output;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::{ComponentList, ComponentSet};
@@ -96,7 +97,7 @@ pub fn check(plots: &[PathBuf], inputs: &[&Path], every: Option<Every>) -> Resul
         Plot::of(path, every)?;
         guard_output(path, inputs)?;
         // A table cannot have the same name: it has another ending.
-        if plots.iter().take(i).any(|other| other == path) {
+        if plots.iter().take(i).any(|other| same_place(other, path)) {
             let what = format!("`{}` is written twice", path.display());
             return Err(Error::argument("plot", what, "give each output a name of its own"));
         }

@@ -1,27 +1,24 @@
 //! Sink of a table: the standard output, or a file that appears under its name only when it is
 //! complete.
 
-use std::fs::File;
 use std::io::{self, BufWriter, Stdout, Write};
 use std::path::{Path, PathBuf};
 
+use heliotile_builder::writing::whole_file::WholeFile;
 use heliotile_core::error::{Error, Result};
 
 /// Byte sink of a table.
 pub struct Sink {
     target: Target,
+    path: PathBuf,
     bytes: u64,
 }
 
 enum Target {
     /// Standard output; `None` once the reader has gone, after which bytes are dropped.
     Stdout(Option<Stdout>),
-    File {
-        path: PathBuf,
-        partial: PathBuf,
-        /// Open file; `None` once finished.
-        file: Option<BufWriter<File>>,
-    },
+    /// File; `None` once finished.
+    File(Option<BufWriter<WholeFile>>),
 }
 
 /// Writes texts, by name, into an existing folder; files get their names once all are written.
@@ -45,39 +42,27 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<()> {
 
 impl Sink {
     pub fn stdout() -> Self {
-        Sink { target: Target::Stdout(Some(io::stdout())), bytes: 0 }
+        let path = PathBuf::from("standard output");
+        Sink { target: Target::Stdout(Some(io::stdout())), path, bytes: 0 }
     }
 
-    /// Opens `NAME.partial` beside `path`. [`Sink::finish`] renames it; a sink that is dropped
-    /// before removes it.
+    /// Opens a file that appears as `path` with [`Sink::finish`]. A sink that is dropped before
+    /// leaves nothing.
     pub fn file(path: &Path) -> Result<Self> {
-        let mut name = path.as_os_str().to_os_string();
-        name.push(".partial");
-        let partial = PathBuf::from(name);
-        let file = File::create(&partial).map_err(Error::io(&partial, "create"))?;
-        Ok(Sink {
-            target: Target::File {
-                path: path.to_path_buf(),
-                partial,
-                file: Some(BufWriter::with_capacity(1 << 20, file)),
-            },
-            bytes: 0,
-        })
+        let file = BufWriter::with_capacity(1 << 20, WholeFile::create(path)?);
+        Ok(Sink { target: Target::File(Some(file)), path: path.to_path_buf(), bytes: 0 })
     }
 
     /// Returns the name for messages.
     pub fn path(&self) -> &Path {
-        match &self.target {
-            Target::Stdout(_) => Path::new("standard output"),
-            Target::File { path, .. } => path,
-        }
+        &self.path
     }
 
     /// Returns the final path of the file; `None` for the standard output.
     pub fn file_path(&self) -> Option<&Path> {
         match &self.target {
             Target::Stdout(_) => None,
-            Target::File { path, .. } => Some(path),
+            Target::File(_) => Some(&self.path),
         }
     }
 
@@ -90,27 +75,12 @@ impl Sink {
     /// Makes the file visible, flushed, synced to disk and renamed, and returns the number of
     /// bytes.
     pub fn finish(mut self) -> Result<u64> {
-        let (path, partial) = match &mut self.target {
-            Target::Stdout(_) => {
-                let flushed = self.flush();
-                return flushed.map(|()| self.bytes).map_err(Error::io(self.path(), "write to"));
-            }
-            Target::File { path, partial, .. } => (path.clone(), partial.clone()),
-        };
-        if let Target::File { file, .. } = &mut self.target
-            && let Some(mut file) = file.take()
+        self.flush().map_err(Error::io(&self.path, "write to"))?;
+        if let Target::File(file) = &mut self.target
+            && let Some(file) = file.take()
         {
-            let done =
-                file.flush().and_then(|()| file.get_ref().sync_all()).map_err(Error::io(&partial, "write")).and_then(
-                    |()| {
-                        drop(file);
-                        std::fs::rename(&partial, &path).map_err(Error::io(&path, "rename to"))
-                    },
-                );
-            if let Err(error) = done {
-                let _ = std::fs::remove_file(&partial);
-                return Err(error);
-            }
+            let file = file.into_inner().map_err(|error| Error::io(&self.path, "write to")(error.into_error()))?;
+            file.finish()?;
         }
         Ok(self.bytes)
     }
@@ -131,7 +101,7 @@ impl Write for Sink {
     fn write(&mut self, buffer: &[u8]) -> io::Result<usize> {
         let result = match &mut self.target {
             Target::Stdout(Some(out)) => out.write(buffer),
-            Target::File { file: Some(file), .. } => file.write(buffer),
+            Target::File(Some(file)) => file.write(buffer),
             _ => return Ok(buffer.len()),
         };
         let written = self.pipe(result, buffer.len())?;
@@ -142,22 +112,10 @@ impl Write for Sink {
     fn flush(&mut self) -> io::Result<()> {
         let result = match &mut self.target {
             Target::Stdout(Some(out)) => out.flush(),
-            Target::File { file: Some(file), .. } => file.flush(),
+            Target::File(Some(file)) => file.flush(),
             _ => Ok(()),
         };
         self.pipe(result, ())
-    }
-}
-
-impl Drop for Sink {
-    fn drop(&mut self) {
-        if let Target::File { partial, file, .. } = &mut self.target
-            && let Some(file) = file.take()
-        {
-            // Buffered bytes are discarded: the file is removed anyway.
-            let _ = file.into_parts();
-            let _ = std::fs::remove_file(partial);
-        }
     }
 }
 
@@ -187,6 +145,6 @@ mod tests {
     #[test]
     fn a_missing_folder_is_an_error_that_names_the_file() {
         let text = Sink::file(Path::new("/no/such/t.csv")).err().map(|e| e.to_string());
-        assert!(text.is_some_and(|t| t.starts_with("cannot create /no/such/t.csv.partial")));
+        assert!(text.is_some_and(|t| t.starts_with("cannot create /no/such/t.csv")));
     }
 }

@@ -95,7 +95,7 @@ impl ViewerPage {
             TimeShift::Minutes(minutes) => Some(format!("{minutes}min")),
         };
         let said = [
-            ("timeZone", options.zone_hours.map(|zone| zone.to_string())),
+            ("timeZone", options.zone.map(|zone| zone.option())),
             ("shift", shift),
             ("stamp", options.stamped_at.map(|at| at.name().to_owned())),
             ("dateOrder", options.date_order.map(|order| order.name().to_owned())),

@@ -30,7 +30,7 @@ impl GroundSpot {
         let (mut all, mut wanted) = (Vec::new(), 0.0);
         for field in laid.fields() {
             let (name, Some(step_m)) = (&field.rows.name, field.rows.ground_step_m) else { continue };
-            let grid = GroundGrid::new(&field.rows, step_m, field.normal, &field.outline);
+            let grid = GroundGrid::new(&field.rows, step_m, field.north, &field.outline);
             wanted += grid.size();
             if wanted > MOST_PLACES {
                 let what = "the number of places on the ground among rows".to_owned();

@@ -126,6 +126,10 @@ impl Default for PvRequest {
 impl PvRequest {
     /// Writes the folder; `about` is the provenance that results state.
     pub fn write(&self, about: Provenance, resources: &Resources) -> Result<PvDone> {
+        if !(0.0..=1.0).contains(&self.bifaciality) {
+            let what = format!("is {}, not from 0 to 1", self.bifaciality);
+            return Err(Error::argument("bifaciality", what, "give a share of the light on the rear, as in 0.8"));
+        }
         run(self, about, resources)
     }
 }

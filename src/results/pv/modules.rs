@@ -37,8 +37,8 @@ pub struct Field {
     pub rows: RowsOfModules,
     pub modules: Vec<Module>,
     pub outline: Outline,
-    /// Normal of the fronts, in the scene's axes.
-    pub normal: DVec3,
+    /// Direction of true north in the scene's axes.
+    pub north: North,
 }
 
 impl LaidRows {
@@ -69,9 +69,8 @@ impl LaidRows {
                 let hint = "check that its corners are metres in the coordinates of the scene; split a larger field into several [[rows]]";
                 return Err(Error::input(file, None, what, hint));
             }
-            let normal = north.to_axes(rows.turn.normal());
             let below = |p: DVec2| siting.top(p.x, p.y).map(|top| top.z);
-            let Laid { modules, left_out } = lay(&rows, normal, &outline, below);
+            let Laid { modules, rows: in_rows, left_out } = lay(&rows, north, &outline, below);
             if modules.is_empty() {
                 let what = format!("the rows `{}`: no module fits", rows.name);
                 return Err(Error::input(
@@ -93,7 +92,13 @@ impl LaidRows {
                     counted(left_out as u64, "module")
                 ));
             }
-            fields.push(Field { rows, modules, outline, normal });
+            observer.note(&format!(
+                "the rows `{}` have {} in {}",
+                rows.name,
+                counted(modules.len() as u64, "module"),
+                counted(in_rows as u64, "row")
+            ));
+            fields.push(Field { rows, modules, outline, north });
         }
         Ok(LaidRows { fields })
     }

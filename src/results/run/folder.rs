@@ -185,19 +185,27 @@ pub fn folder_beside(scene: &Path, ending: &str) -> PathBuf {
     PathBuf::from(format!("{stem}.{ending}"))
 }
 
+/// Names in the folder that are not those of weather.
+const OWN: [&str; 2] = ["receivers.csv", "site.helio"];
+
 /// Returns the name of a weather file without its ending: `golden_tmy3.epw` gives `golden_tmy3`.
-/// Other points in the name stay.
+/// Other points in the name stay. A name that would be another file or another folder keeps its
+/// ending: `receivers.csv.epw`, `...epw`.
 fn weather_name(weather: &Path) -> PathBuf {
     let packed = weather.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("gz"));
     let plain = if packed { weather.with_extension("") } else { weather.to_owned() };
-    plain.file_stem().map_or_else(|| "weather".into(), PathBuf::from)
+    let stem = plain.file_stem().unwrap_or_default().to_string_lossy();
+    let is_own = OWN.iter().any(|own| stem.to_lowercase().starts_with(own)) || stem.bytes().all(|byte| byte == b'.');
+    let name = if is_own { plain.file_name() } else { plain.file_stem() };
+    name.map_or_else(|| "weather".into(), PathBuf::from)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// 4 names of weather files lose their ending and nothing else.
+    /// 4 names of weather files lose their ending and nothing else; 3 that would be another file or
+    /// the folder above keep it.
     #[test]
     fn folders_are_named_after_weather() {
         for (file, name) in [
@@ -205,6 +213,9 @@ mod tests {
             ("NLD_Den.Haag.062100_IWEC.epw", "NLD_Den.Haag.062100_IWEC"),
             ("w.csv.gz", "w"),
             ("plain", "plain"),
+            ("receivers.csv.epw", "receivers.csv.epw"),
+            ("Site.helio.epw.gz", "Site.helio.epw"),
+            ("...epw", "...epw"),
         ] {
             assert_eq!(weather_name(Path::new(file)), PathBuf::from(name));
         }

@@ -1,7 +1,6 @@
 //! Columns of results about the sun on days. In: a request, answers of a place. Out: the numbers of
 //! its rows.
 
-use super::clock::ClockZone;
 use super::days::DayPlan;
 use super::places::{AnswerItem, Asked, DateRows};
 use super::rule::Threshold;
@@ -9,6 +8,7 @@ use crate::outputs::quantities::{Measure, Quantity, ValueSource};
 use crate::outputs::tables::layout::{By, Labels, Layout};
 use crate::outputs::tables::row_labels::RowLabels;
 use heliotile_core::sunlight::{Spells, Strongest, SunSeen};
+use heliotile_core::weather::time::clock_zone::ClockZone;
 
 /// Number of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

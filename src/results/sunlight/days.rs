@@ -5,8 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use super::calendar::DaySpan;
-use super::clock::ClockZone;
 use super::rule::{ClockHours, Rule, RuleClock, RuleMeasure};
+use heliotile_core::weather::time::clock_zone::ClockZone;
 use rayon::prelude::*;
 
 use heliotile_core::error::{Error, Result};

@@ -32,6 +32,7 @@ use heliotile_builder::siting::MirrorObserver;
 use heliotile_builder::writing::guards::guard_output;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::Use;
+use heliotile_core::observer::Observer;
 use heliotile_core::site::north::North;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::sunlight::{GlareAngles, MirrorSpells, Spell, Spells, Strongest, SunDay};
@@ -109,6 +110,9 @@ pub struct GlareSpell {
     /// Direction of the sun in the middle of the spell, by true north.
     sun: DVec3,
 }
+
+/// Size of a table of spells from which it is large, bytes.
+const LARGE_SPELLS: u64 = 100_000_000;
 
 /// Minutes between rays that identify the pane.
 const PANE_STEP_MIN: f64 = 1.0;
@@ -241,8 +245,20 @@ impl SpellRecord {
         Ok(())
     }
 
-    /// Writes the spells as a table.
-    pub fn write(&self, path: &Path, plan: &DayPlan, about: &Provenance) -> Result<()> {
+    /// Says how many spells a table of some bytes holds, and how to get a smaller one if it is
+    /// large.
+    pub fn tell_size(&self, path: &Path, bytes: u64, observer: &dyn Observer) {
+        let (path, spells) = (path.display(), counted(self.spells.len() as u64, "spell"));
+        let text = format!("{path}: {spells}, {:.1} MB", bytes as f64 / 1e6);
+        if bytes > LARGE_SPELLS {
+            observer.warn(&format!("{text}; .parquet is smaller, as are fewer {{dates}} or receivers"));
+        } else {
+            observer.note(&text);
+        }
+    }
+
+    /// Writes the spells as a table, and returns its size in bytes.
+    pub fn write(&self, path: &Path, plan: &DayPlan, about: &Provenance) -> Result<u64> {
         let texts = ["receiver", "date", "start", "end"].map(Column::text);
         let minutes = ["minutes", "uncertain_minutes"].map(|name| Column::number(name, 2).with_unit("min"));
         let panes = ["pane", "material"].map(Column::text);
@@ -273,7 +289,7 @@ impl SpellRecord {
                 .chain(facts.map(Cell::from));
             table.row(cells)?;
         }
-        table.finish().map(drop)
+        table.finish()
     }
 
     /// Returns the calendar, which has the spells of each pane on each day, of all receivers

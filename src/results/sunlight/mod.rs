@@ -6,7 +6,6 @@
 //! and screens block nothing.
 
 mod calendar;
-mod clock;
 mod columns;
 mod days;
 mod exact;
@@ -22,8 +21,8 @@ mod rule;
 mod rule_files;
 
 pub use calendar::DaySpan;
-pub use clock::ClockZone;
 pub use glare::GlareChoice;
+pub use heliotile_core::weather::time::clock_zone::ClockZone;
 pub use pass::SunlightSite;
 pub use request::{RuleCount, SunlightDone, SunlightRequest};
 pub use rule::{ClockHours, DaysTogether, LitPart, Rule, RuleClock, RuleMeasure, Threshold};

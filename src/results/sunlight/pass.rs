@@ -130,7 +130,8 @@ impl SunlightRequest {
         row_files.finish(resources.observer)?;
         if let Some((glare, record)) = glare.zip(record.as_ref()) {
             if let Some(path) = &glare.spells {
-                record.write(path, &plan, &told.about)?;
+                let bytes = record.write(path, &plan, &told.about)?;
+                record.tell_size(path, bytes, resources.observer);
             }
             if let Some(file) = &pane_file {
                 file.write(record, &panes, &plan, resources)?;

@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::calendar::DaySpan;
-use super::clock::ClockZone;
 use super::days::{DayPlan, SunnyHours};
 use super::glare::GlareChoice;
 use super::places::{Asked, DateRows};
@@ -22,8 +21,8 @@ use heliotile_core::text::counted;
 use heliotile_core::weather::conditions::Stamp;
 use heliotile_core::weather::options::WeatherOptions;
 use heliotile_core::weather::time::calendar::Date;
+use heliotile_core::weather::time::clock_zone::ClockZone;
 use heliotile_core::weather::time::sun::Location;
-use heliotile_core::weather::time::utc_offset::UtcOffset;
 use heliotile_core::weather::time::years::Years;
 
 /// Request for minutes of possible sun on days, or for the verdicts of rules.
@@ -240,7 +239,7 @@ impl SunlightRequest {
                 "the archive has no place: the sun is calculated for the place of the weather file, {place}"
             ));
         }
-        let of_weather = weather.as_ref().map(|weather| ClockZone::Fixed(UtcOffset::of_hours(weather.site.zone_hours)));
+        let of_weather = weather.as_ref().map(|weather| ClockZone::Hours(weather.site.zone_hours));
         let zone = self.zone.clone().or(of_weather).unwrap_or_else(|| {
             let zone = ClockZone::of_longitude(place.longitude_deg);
             resources

@@ -15,7 +15,10 @@ use heliotile_core::site::patch::Patch;
 use heliotile_core::site::receiver::{MAX_NAME_BYTES, Receiver};
 use heliotile_core::text::{separator_hint, with_list};
 
-const REQUIRED: [&str; 4] = ["receiver", "x", "y", "z"];
+const REQUIRED: [&str; 3] = ["receiver", "x", "y"];
+const Z: &str = "z";
+/// Column of heights above the first surface below the sky, in place of `z`.
+const HEIGHT: &str = "height";
 /// Columns of the direction a receiver faces: a vector, or angles in degrees (tilt 0 up and 90
 /// level, azimuth clockwise from y).
 const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
@@ -63,10 +66,14 @@ pub fn no_receivers(file: &Path) -> Error {
     Error::input(file, None, "the file holds a header but no receivers", "add one row per receiver")
 }
 
+/// Height of the first surface below the sky at x and y, metres; `None` where there is none.
+pub type SurfaceHeight<'a> = &'a dyn Fn(f64, f64) -> Result<Option<f64>>;
+
 /// Rows of `receivers.csv` one after the other, each checked by itself.
 pub struct ReceiverRows<'a> {
     rows: CsvRows<'a>,
     columns: Columns,
+    surface: Option<SurfaceHeight<'a>>,
 }
 
 impl<'a> ReceiverRows<'a> {
@@ -82,7 +89,12 @@ impl<'a> ReceiverRows<'a> {
             return Err(Error::input(rows.file, None, "the file is empty", hint));
         }
         let columns = Columns::find(&rows, warnings)?;
-        Ok(ReceiverRows { rows, columns })
+        Ok(ReceiverRows { rows, columns, surface: None })
+    }
+
+    /// Returns these rows over a surface, from which a column `height` in place of `z` counts.
+    pub fn over(self, surface: SurfaceHeight<'a>) -> Self {
+        ReceiverRows { surface: Some(surface), ..self }
     }
 
     /// Returns the checked receiver of the next row; `None` after the last row.
@@ -90,7 +102,12 @@ impl<'a> ReceiverRows<'a> {
         if !self.rows.advance()? {
             return Ok(None);
         }
-        Row { rows: &self.rows, columns: &self.columns }.receiver().map(Some)
+        let row = Row { rows: &self.rows, columns: &self.columns };
+        let mut receiver = row.receiver()?;
+        if self.columns.is_above {
+            row.raise(&mut receiver, self.surface)?;
+        }
+        Ok(Some(receiver))
     }
 
     /// Returns the path of the file, for messages.
@@ -107,6 +124,8 @@ impl<'a> ReceiverRows<'a> {
 /// Places of the columns.
 struct Columns {
     required: [usize; 4],
+    /// True if the last required column is `height`.
+    is_above: bool,
     facing: Facing,
     optional: [Option<usize>; 2],
     part: [Option<usize>; 5],
@@ -128,8 +147,10 @@ impl Columns {
                 header.error(what, hint.unwrap_or_else(columns))
             })
         };
+        let is_above = place(Z).is_none() && place(HEIGHT).is_some();
+        let level = if is_above { HEIGHT } else { Z };
         let mut required = [0; 4];
-        for (slot, wanted) in required.iter_mut().zip(REQUIRED) {
+        for (slot, wanted) in required.iter_mut().zip(REQUIRED.into_iter().chain([level])) {
             *slot = needed(wanted)?;
         }
         let facing = match ANGLES.map(place) {
@@ -144,6 +165,7 @@ impl Columns {
             let of_facing = if angles { ANGLES.contains(name) } else { NORMAL.contains(name) };
             let known = of_facing
                 || REQUIRED.contains(name)
+                || *name == level
                 || OPTIONAL.contains(name)
                 || PART.contains(name)
                 || *name == PATCH;
@@ -163,6 +185,7 @@ impl Columns {
         }
         Ok(Columns {
             required,
+            is_above,
             facing,
             optional: OPTIONAL.map(place),
             part: PART.map(place),
@@ -204,7 +227,8 @@ impl Row<'_> {
             return Err(self.rows.cell_error("receiver", id, "an empty name", "give every receiver a name"));
         }
         self.short("receiver", id)?;
-        let position = DVec3::new(self.coordinate("x", x)?, self.coordinate("y", y)?, self.coordinate("z", z)?);
+        let position =
+            DVec3::new(self.coordinate("x", x)?, self.coordinate("y", y)?, self.coordinate(self.level(), z)?);
         let normal = match self.columns.facing {
             Facing::Normal(columns) => self.normal(columns.map(|column| self.cell(column)))?,
             Facing::Angles([tilt, azimuth]) => self.direction(self.cell(tilt), self.cell(azimuth))?,
@@ -223,6 +247,35 @@ impl Row<'_> {
             part: ModelPart::of_texts(part.map(str::to_owned)),
             patch: self.columns.patch.map_or_else(|| Ok(Patch::default()), |column| self.patch(self.cell(column)))?,
         })
+    }
+
+    /// Returns the name of the column of heights.
+    fn level(&self) -> &'static str {
+        if self.columns.is_above { HEIGHT } else { Z }
+    }
+
+    /// Raises a receiver whose z is a height above the surface below.
+    fn raise(&self, receiver: &mut Receiver, surface: Option<SurfaceHeight>) -> Result<()> {
+        let (position, [.., height]) = (&mut receiver.position, self.columns.required);
+        let Some(surface) = surface else {
+            let what = format!("column `{Z}` is missing, and heights above a surface need a scene");
+            return Err(self.rows.error(what, "give z, the coordinate"));
+        };
+        if position.z < 0.0 {
+            let hint = "give metres above the roof or ground below, or a column z with the coordinate";
+            return Err(self.rows.cell_error(HEIGHT, self.cell(height), "below zero", hint));
+        }
+        let Some(z) = surface(position.x, position.y)? else {
+            let what = format!(
+                "below receiver `{}` ({}, {}) the scene has neither roof nor ground",
+                excerpt(receiver.id.as_bytes()),
+                position.x,
+                position.y
+            );
+            return Err(self.rows.error(what, "check the coordinates, or give its z in place of a height"));
+        };
+        position.z += z;
+        Ok(())
     }
 
     fn normal(&self, [nx, ny, nz]: [&str; 3]) -> Result<DVec3> {
@@ -369,6 +422,29 @@ mod tests {
         }
         let message = read("receiver,x,y,z,tilt_deg\nr,0,0,0,30").expect_err("no azimuth").to_string();
         assert!(message.contains("column `nx` is missing") && message.contains("tilt_deg,azimuth_deg"), "{message}");
+    }
+
+    /// Heights of 1.5 m over ground that rises to the east become coordinates, 2 of 2. A place
+    /// without a surface, a height below zero and a table without a scene are refused in line 2;
+    /// beside a z a height is not used.
+    #[test]
+    fn heights_count_from_the_surface_below() {
+        let slope = |x: f64, _: f64| Ok((x < 100.0).then_some(10.0 + 0.1 * x));
+        let over = |rows: &str| {
+            let text = format!("receiver,x,y,height,tilt_deg,azimuth_deg\n{rows}");
+            let rows = CsvRows::new(Box::new(std::io::Cursor::new(text)), Path::new("receivers.csv"))?;
+            collect(ReceiverRows::new(rows, &mut Vec::new())?.over(&slope))
+        };
+        let found = over("a,0,0,1.5,0,0\nb,50,0,1.5,0,0").expect("heights");
+        assert_eq!([found[0].position.z, found[1].position.z], [11.5, 16.5]);
+        for (rows, quoted) in [("a,200,0,1.5,0,0", "neither roof nor ground"), ("a,0,0,-1,0,0", "`height` is `-1`")] {
+            let message = over(rows).expect_err(rows).to_string();
+            assert!(message.starts_with("receivers.csv, line 2: ") && message.contains(quoted), "{message}");
+        }
+        let message = read("receiver,x,y,height,tilt_deg,azimuth_deg\na,0,0,1,0,0").expect_err("no scene").to_string();
+        assert!(message.contains("need a scene"), "{message}");
+        let (both, warnings) = read(&format!("{},height\na,0,0,3,0,0,1,9", HEADER.trim())).expect("a z");
+        assert_eq!((both[0].position.z, warnings.len()), (3.0, 1));
     }
 
     /// Every refusal names the file, the line, the column and the cell's text.

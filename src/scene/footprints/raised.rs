@@ -137,7 +137,7 @@ impl Town {
             }
         }
         for ((block, member), group) in self.blocks.iter_mut().zip(&self.members).zip(groups) {
-            let StatedHeights { roof_m, foot_m, base_m } = member.heights;
+            let StatedHeights { roof_m, foot_m, base_m, .. } = member.heights;
             let below = lowest.get(group).copied();
             self.beside_ground += usize::from(base_m.is_none() && below.is_none() && lowest_of_all.is_some());
             let stated = base_m.map(|base_m| base_m + member.elevation_m);
@@ -200,7 +200,10 @@ impl Town {
             }
             let first = walls.partition_point(|wall| (wall.side.footprint as usize) < number);
             let walls = walls.get(first..).unwrap_or_default();
-            let count = walls.partition_point(|wall| wall.side.footprint as usize == number);
+            let count = match member.heights.has_walls {
+                true => walls.partition_point(|wall| wall.side.footprint as usize == number),
+                false => 0,
+            };
             let object = of.geometry.objects.id(&footprint.name);
             of.geometry.object_notes.insert(object, note_of(footprint, whole.as_ref()));
             let solid = Solid {

@@ -77,6 +77,16 @@ pub(crate) fn repaired(polygon: &[PlanRing]) -> Vec<Vec<PlanRing>> {
     lifted(flat(std::slice::from_ref(&polygon.to_vec()), from).concat().simplify_shape(FillRule::EvenOdd), from)
 }
 
+/// Returns the area that at least one of some polygons covers, as polygons that do not overlap;
+/// `None` if they do not overlap as they are.
+pub(crate) fn united(polygons: &[Vec<PlanRing>]) -> Option<Vec<Vec<PlanRing>>> {
+    if polygons.len() < 2 {
+        return None;
+    }
+    let united = overlaid(polygons, &[], OverlayRule::Union);
+    (area_m2(polygons) - area_m2(&united) > SLIVER_M2).then_some(united)
+}
+
 /// Returns the polygons without the area of others.
 pub(super) fn without(polygons: &[Vec<PlanRing>], others: &[Vec<PlanRing>]) -> Vec<Vec<PlanRing>> {
     overlaid(polygons, others, OverlayRule::Difference)
@@ -151,12 +161,15 @@ mod tests {
     }
 
     /// A square of 100 m2 without one that covers 30 m2 of it leaves 70 m2, and without one that is
-    /// 1 mm smaller nothing.
+    /// 1 mm smaller nothing. Two that share 50 m2 cover 150 m2 together.
     #[test]
     fn a_covered_area_is_cut_away() {
         let square = |x: f64, side: f64| vec![vec![ring(&[(x, 0.), (x + side, 0.), (x + side, side), (x, side)])]];
         assert!((area_m2(&without(&square(0., 10.), &square(7., 10.))) - 70.0).abs() < 1e-6);
         assert!((shared_m2(&square(0., 10.), &square(7., 10.)) - 30.0).abs() < 1e-6);
         assert!(without(&square(0., 10.), &square(0., 9.999)).is_empty());
+        let both = [square(0., 10.), square(5., 10.)].concat();
+        assert!((area_m2(&united(&both).expect("overlapping")) - 150.0).abs() < 1e-6);
+        assert!(united(&[square(0., 10.), square(10., 10.)].concat()).is_none());
     }
 }

@@ -98,15 +98,18 @@ enum Format {
 
 /// Endings of file names in lower case, with their formats. Each may be followed by `.gz` or
 /// `.zip`.
-const ENDINGS: [(&str, Format); 24] = [
+const ENDINGS: [(&str, Format); 28] = [
     ("asc", Format::AsciiGrid),
+    ("citygml", Format::CityGml),
     ("cityjson", Format::CityJson),
     ("cityjsonl", Format::CityJson),
     ("dem", Format::AsciiGrid),
     ("epjson", Format::EnergyPlus),
     ("geojson", Format::Features(FeatureFormat::GeoJson)),
     ("geojsonl", Format::Features(FeatureFormat::GeoJson)),
+    ("geojsonseq", Format::Features(FeatureFormat::GeoJson)),
     ("geoparquet", Format::Features(FeatureFormat::GeoParquet)),
+    ("geotiff", Format::GeoTiff),
     ("glb", Format::Gltf),
     ("gltf", Format::Gltf),
     ("gml", Format::CityGml),
@@ -115,6 +118,7 @@ const ENDINGS: [(&str, Format); 24] = [
     ("idf", Format::EnergyPlus),
     ("json", Format::Json),
     ("jsonl", Format::CityJson),
+    ("ndjson", Format::Features(FeatureFormat::GeoJson)),
     ("obj", Format::Obj),
     ("parquet", Format::Features(FeatureFormat::GeoParquet)),
     ("ply", Format::Ply),
@@ -125,8 +129,8 @@ const ENDINGS: [(&str, Format); 24] = [
     ("xml", Format::CityGml),
 ];
 
-const SUPPORTED: &str = ".json, .jsonl, .cityjson and .cityjsonl (CityJSON), .gml and .xml (CityGML), .tif, .tiff, .asc and .dem (terrain), .epjson and .idf (EnergyPlus), .hbjson \
-                         (Honeybee), .geojson, .geojsonl, .shp, .gpkg, .parquet and .geoparquet (footprints), .gltf, .glb, .obj, .ply, .stl, each also packed, with .gz or .zip behind it, and site.toml";
+const SUPPORTED: &str = ".json, .jsonl, .cityjson and .cityjsonl (CityJSON), .gml, .citygml and .xml (CityGML), .tif, .tiff, .geotiff, .asc and .dem (terrain), .epjson and .idf (EnergyPlus), .hbjson \
+                         (Honeybee), .geojson, .geojsonl, .geojsonseq, .ndjson, .shp, .gpkg, .parquet and .geoparquet (footprints), .gltf, .glb, .obj, .ply, .stl, each also packed, with .gz or .zip behind it, and site.toml";
 
 /// Returns the scene format that the name of `path` belongs to, packed with `.gz` or not. Returns
 /// `None` for `.json` too, which need not be a scene.
@@ -200,6 +204,9 @@ pub(super) fn read(path: &Path, asked: &Asked) -> Result<Content> {
     }
     let Some(format) = known(&ending) else { return Err(unknown_ending(path, &ending)) };
     let bytes = if format.is_text() { utf8(bytes) } else { bytes };
+    if let Some(refusal) = unread::refusal_of_content(path, &bytes) {
+        return Err(refusal);
+    }
     let mut geometry = match format {
         Format::AsciiGrid => return ascii_grid::parse(&bytes, path).map(Content::Terrain),
         Format::GeoTiff => return geotiff::parse(&bytes, path).map(Content::Terrain),
@@ -296,11 +303,11 @@ mod tests {
         assert!(SUPPORTED.contains(".gz"));
     }
 
-    /// 23 of 24 endings belong to one format, packed or not.
+    /// 27 of 28 endings belong to one format, packed or not.
     #[test]
     fn every_ending_but_json_names_one_format() {
         let named = |ending: &str, more: &str| format_of_name(Path::new(&format!("A.{}{more}", ending.to_uppercase())));
-        assert_eq!(ENDINGS.iter().filter(|(ending, _)| named(ending, "").is_some()).count(), 23);
+        assert_eq!(ENDINGS.iter().filter(|(ending, _)| named(ending, "").is_some()).count(), 27);
         assert!(ENDINGS.iter().all(|(ending, _)| named(ending, "") == named(ending, ".gz")));
         assert_eq!((named("hbjson", ".gz"), named("json", ""), named("csv", "")), (Some("Honeybee"), None, None));
     }

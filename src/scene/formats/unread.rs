@@ -6,7 +6,7 @@ use std::path::Path;
 use heliotile_core::error::Error;
 
 /// File endings, the kind of file they belong to, and how to convert it to a scene.
-const UNREAD: [(&[&str], &str, &str); 17] = [
+const UNREAD: [(&[&str], &str, &str); 19] = [
     (
         &["ifc", "ifczip", "ifcxml"],
         "a building model in IFC",
@@ -43,6 +43,16 @@ const UNREAD: [(&[&str], &str, &str); 17] = [
         "extract its glTF: `npx 3d-tiles-tools b3dmToGlb -i tile.b3dm -o tile.glb` (i3dmToGlb, cmptToGlb), and give the .glb; better give CityGML or CityJSON of the same city, because tiles do not name their buildings",
     ),
     (&["pnts"], "a point cloud of 3D Tiles", "make a raster of its highest points with PDAL, and give that as {dsm}"),
+    (
+        &["slpk"],
+        "a scene layer of ArcGIS (I3S)",
+        "export the buildings from ArcGIS as multipatch shapefile, or give CityGML or CityJSON of the same city",
+    ),
+    (
+        &["step", "stp", "iges", "igs", "brep", "fcstd"],
+        "a CAD solid",
+        "export a mesh as OBJ or STL, such as from FreeCAD: File, Export, Wavefront (.obj)",
+    ),
     (&["skp"], "a SketchUp model", "export glTF (.glb) or OBJ from SketchUp"),
     (&["3dm"], "a Rhino model", "export glTF (.glb) or OBJ from Rhino"),
     (
@@ -84,6 +94,52 @@ pub(super) fn refusal(path: &Path, ending: &str) -> Option<Error> {
     Some(Error::input(path, None, format!("the file is {what}, which heliotile does not read as a scene"), *hint))
 }
 
+/// Bytes of a file in which its kind is looked for.
+const HEAD: usize = 1 << 16;
+
+/// Words of the head of a JSON file without spaces, all of which stand in it, the kind that they
+/// tell, and a way out.
+const JSON: [(&[&str], &str, &str); 4] = [
+    (
+        &["\"geometryType\":\"esri"],
+        "features of Esri (Esri JSON)",
+        "convert them: `ogr2ogr town.geojson ESRIJSON:query.json`, or ask the service for `f=geojson`",
+    ),
+    (
+        &["\"elements\":["],
+        "an answer of Overpass (OpenStreetMap)",
+        "convert it: `npx osmtogeojson overpass.json > town.geojson`, and give town.geojson",
+    ),
+    (&["\"type\":\"Topology\""], "TopoJSON", "convert it: `ogr2ogr town.geojson topo.json`, and give town.geojson"),
+    (
+        &["\"asset\":{", "\"geometricError\""],
+        "a tileset of 3D Tiles",
+        "give CityGML or CityJSON of the same city; tiles do not name their buildings. To read one tile, extract its glTF: \
+         `npx 3d-tiles-tools b3dmToGlb -i tile.b3dm -o tile.glb`",
+    ),
+];
+
+/// Returns the error for a file whose content tells that it is of a kind that is not read, whatever
+/// its name.
+pub(super) fn refusal_of_content(path: &Path, bytes: &[u8]) -> Option<Error> {
+    let head = bytes.get(..HEAD.min(bytes.len())).unwrap_or_default();
+    if [b"b3dm", b"i3dm", b"cmpt", b"pnts"].iter().any(|magic| head.starts_with(*magic)) {
+        return refusal(path, std::str::from_utf8(head.get(..4)?).ok()?);
+    }
+    if head.starts_with(b"ISO-10303-21") && String::from_utf8_lossy(head).to_uppercase().contains("FILE_SCHEMA(('IFC") {
+        return refusal(path, "ifc");
+    }
+    if head.trim_ascii_start().first() != Some(&b'{') {
+        return None;
+    }
+    let plain: String = String::from_utf8_lossy(head).chars().filter(|letter| !letter.is_whitespace()).collect();
+    let is_known =
+        ["\"type\":\"FeatureCollection\"", "CityJSON", "\"Version\":{"].iter().any(|word| plain.contains(word));
+    let mut kinds = JSON.iter().filter(|_| !is_known);
+    let (_, what, hint) = kinds.find(|(words, _, _)| words.iter().all(|word| plain.contains(word)))?;
+    Some(Error::input(path, None, format!("the file is {what}, which heliotile does not read as a scene"), *hint))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -106,5 +162,26 @@ mod tests {
             "{message}"
         );
         assert!(refusal(Path::new("a.obj"), "obj").is_none());
+    }
+
+    /// Four kinds of JSON and a tile of 3D Tiles that is named as glTF are told by their content,
+    /// each with a way out; GeoJSON and glTF are none of them.
+    #[test]
+    fn five_kinds_are_told_by_their_content() {
+        for (bytes, kind, way) in [
+            (&b"{\"geometryType\": \"esriGeometryPolygon\", \"features\": []}"[..], "Esri JSON", "ESRIJSON:"),
+            (b"{\"version\": 0.6, \"elements\": []}", "Overpass", "osmtogeojson"),
+            (b"{\"type\": \"Topology\", \"objects\": {}}", "TopoJSON", "ogr2ogr"),
+            (b"{\"asset\": {\"version\": \"1.0\"}, \"geometricError\": 100}", "tileset", "CityGML"),
+            (b"b3dm\x01\0\0\0", "a tile of 3D Tiles", "b3dmToGlb"),
+        ] {
+            let message = refusal_of_content(Path::new("a.json"), bytes).expect("known").to_string();
+            assert!(message.contains(kind) && message.contains(way), "{message}");
+        }
+        for bytes in
+            [&b"{\"type\":\"FeatureCollection\",\"elements\":[]}"[..], b"{\"asset\":{\"version\":\"2.0\"}}", b""]
+        {
+            assert!(refusal_of_content(Path::new("a.json"), bytes).is_none());
+        }
     }
 }

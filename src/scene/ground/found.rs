@@ -1,6 +1,6 @@
 //! Search for ground. In: triangles of class ground, and triangles that may stand on them. Out:
-//! true, unless nearly all of the ground lies below something, as the floor of a house does below
-//! its roof.
+//! whether the ground lies free, which the floor of a house below its roof does not, and whether it
+//! surrounds what stands on it, which a road beside a house does not.
 
 use glam::{DVec2, DVec3};
 
@@ -10,6 +10,15 @@ pub(crate) type Corners = [DVec3; 3];
 /// Least share of the ground that lies free. Below it the ground is floors of buildings, whose
 /// roofs are drawn a little smaller than they are.
 const FREE: f64 = 0.05;
+/// Least share of the open plan around the standing triangles that ground covers if it surrounds
+/// them.
+const AROUND: f64 = 0.5;
+/// Width of the rim around the standing triangles that counts as their plan, in their heights:
+/// most of the light that a wall gets from the ground comes from about that far.
+const RIM_HEIGHTS: f64 = 0.5;
+/// Height of the lowest standing triangle above the highest ground beyond which nothing stands on
+/// that ground, metres: land that was drawn at height 0.
+const DETACHED_M: f64 = 5.0;
 /// Height up to which a surface lies on the ground, metres.
 const SAME_HEIGHT_M: f64 = 0.01;
 /// Least upward component of the unit normal, up or down, of a face that counts; steeper faces are
@@ -21,6 +30,8 @@ const SIDES: [usize; 6] = [1024, 512, 256, 128, 64, 32];
 const MOST_VISITS: f64 = 3e8;
 /// Points on each side if all of `SIDES` need more tests.
 const LEAST_SIDE: usize = 16;
+/// Points on each side of the plan around standing triangles.
+const AROUND_SIDE: usize = 128;
 
 /// Returns true if some ground lies free, with nothing of `above` over it. Standing triangles do
 /// not count.
@@ -54,6 +65,43 @@ pub(crate) fn lies_free(
         free += usize::from(*above <= *ground + SAME_HEIGHT_M as f32);
     }
     free as f64 > FREE * all as f64
+}
+
+/// Returns true if ground covers most of the open plan in and around the box of the triangles that
+/// stand, and lies at most `DETACHED_M` below the lowest of them. Without standing triangles the
+/// ground is the scene.
+pub(crate) fn surrounds(
+    ground: impl Iterator<Item = Corners> + Clone,
+    standing: impl Iterator<Item = Corners> + Clone,
+) -> bool {
+    let bounds = |corners: &mut dyn Iterator<Item = DVec3>| {
+        corners.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)))
+    };
+    let (low, high) = bounds(&mut standing.clone().flatten());
+    if !(low.is_finite() && high.is_finite()) {
+        return true;
+    }
+    let rim = (RIM_HEIGHTS * (high.z - low.z)).max(SAME_HEIGHT_M);
+    let (corner, extent) = (low.truncate() - rim, (high - low).truncate() + 2.0 * rim);
+    let near = |triangle: &Corners| {
+        let (low_of, high_of) = bounds(&mut triangle.iter().copied());
+        high_of.truncate().cmpge(corner).all() && low_of.truncate().cmple(corner + extent).all()
+    };
+    let near_ground = ground.filter(near);
+    let (_, top) = bounds(&mut near_ground.clone().flatten());
+    if !(top.z >= low.z - DETACHED_M) {
+        return false;
+    }
+    let side = AROUND_SIDE;
+    let plan = Plan { low: corner, cell: extent / side as f64, side };
+    let (ground, standing) = (plan.highest(near_ground), plan.highest(standing));
+    let open = ground.iter().zip(&standing).filter(|(ground, standing)| ground.is_finite() || !standing.is_finite());
+    let (mut covered, mut all) = (0_usize, 0_usize);
+    for (ground, _) in open {
+        all += 1;
+        covered += usize::from(ground.is_finite());
+    }
+    covered as f64 >= AROUND * all as f64
 }
 
 /// Points of a rectangle, each in the middle of its cell.
@@ -138,5 +186,24 @@ mod tests {
         let standing = [DVec3::ZERO, DVec3::X, DVec3::Z];
         assert!(!free(&[], &rectangle([0., 0., 1., 1.], 0.0)));
         assert!(!free(&[standing], &[]));
+    }
+
+    /// A house of 10 x 10 x 8 m: a lawn with a rim of 20 m surrounds it; a road beside it, a
+    /// manhole and a plate with a rim of 1 m do not, nor does land that lies 40 m below it: 4 of 5
+    /// do not. Ground on which nothing stands surrounds itself.
+    #[test]
+    fn a_road_or_a_manhole_does_not_surround_a_house() {
+        let wall = [DVec3::ZERO, DVec3::new(10., 0., 0.), DVec3::new(0., 0., 8.)];
+        let house = [rectangle([0., 0., 10., 10.], 8.0), vec![wall]].concat();
+        let around = |ground: Vec<Corners>| surrounds(ground.into_iter(), house.iter().copied());
+        assert!(around(rectangle([-20., -20., 30., 30.], 0.0)));
+        let without = [
+            ([-20., -15., 40., -5.], 0.0),
+            ([20., 0., 21., 1.], 0.0),
+            ([-1., -1., 11., 11.], 0.0),
+            ([-200., -200., 200., 200.], -40.0),
+        ];
+        assert_eq!(without.map(|(plan, z)| around(rectangle(plan, z))), [false; 4]);
+        assert!(surrounds(rectangle([0., 0., 1., 1.], 0.0).into_iter(), [].into_iter()));
     }
 }

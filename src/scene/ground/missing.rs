@@ -52,16 +52,23 @@ fn highest_foot(positions: &[DVec3], triangles: &[RawTriangle], objects: &[u32],
     feet.get(((1.0 - LEFT_OUT) * feet.len() as f64).ceil() as usize - usize::from(!feet.is_empty())).copied()
 }
 
-/// Returns the warning about an assumed plane.
-pub(crate) fn warning(positions: &[DVec3], triangles: &[RawTriangle], objects: &[u32], plane_m: f64) -> String {
+/// Returns the warning about an assumed plane; `partly` if the scene has some ground.
+pub(crate) fn warning(
+    positions: &[DVec3],
+    triangles: &[RawTriangle],
+    objects: &[u32],
+    plane_m: f64,
+    partly: bool,
+) -> String {
     let slope = match highest_foot(positions, triangles, objects, plane_m) {
         Some(foot) if foot > SLOPE_M => {
             format!("; objects stand up to {foot:.1} m above it, so that terrain would be better")
         }
         _ => String::new(),
     };
+    let lack = if partly { "the ground of the scene does not surround it" } else { "the scene has no ground" };
     format!(
-        "the scene has no ground: a plane that reflects {USUAL} is assumed at its lowest point, {:.2} m{slope} ({{no_ground}}: none; \
+        "{lack}: a plane that reflects {USUAL} is assumed at its lowest point, {:.2} m{slope} ({{no_ground}}: none; \
          [endless_ground] in {{materials}}: another)",
         plane_m + BELOW_M
     )
@@ -85,7 +92,7 @@ mod tests {
                 triangles.push(RawTriangle { corners: [first, first + 1, first + 2], material: 0, object: 0 });
                 objects.push(object);
             }
-            warning(&positions, &triangles, &objects, -BELOW_M)
+            warning(&positions, &triangles, &objects, -BELOW_M, false)
         };
         assert!(
             town(1.0).contains("assumed at its lowest point, 0.00 m; objects stand up to 8.0 m above"),

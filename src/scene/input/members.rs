@@ -21,14 +21,23 @@ const MOST_UTF_16: u64 = 1 << 30;
 
 const UNPACK: &str = "unpack it and give its files, or their folder";
 
-/// Passes the bytes of a file, or of each file of a zip with the wanted ending, to `take`.
+/// Passes the bytes of a file, or of each file of a zip with the wanted ending, to `take`. Of a zip
+/// with themes in the folder `udx` those in `themes` are passed, or, if that is empty, those of what
+/// stands on the ground. Returns the themes that were left out.
 pub(crate) fn each(
     path: &Path,
     endings: &[&str],
+    themes: &[String],
     take: &mut dyn FnMut(Box<dyn Read + '_>) -> Result<()>,
-) -> Result<()> {
-    let Some(mut zip) = zip_of(path)? else { return take(plain(open(path)?, path)?) };
-    let names = meant(&zip, endings, path)?;
+) -> Result<Vec<String>> {
+    let Some(mut zip) = zip_of(path)? else { return take(plain(open(path)?, path)?).map(|()| Vec::new()) };
+    let all = meant(&zip, endings, path)?;
+    let (names, left_out): (Vec<String>, Vec<String>) = all.into_iter().partition(|name| is_of(name, themes));
+    if names.is_empty() && !left_out.is_empty() {
+        let what = format!("the zip has none of the themes {}", themes.join(", "));
+        let found = themes_of(&left_out).join(", ");
+        return Err(Error::input(path, None, what, format!("its themes are {found}: name one of them as {{layer}}")));
+    }
     if names.is_empty() {
         let what = format!("the zip holds no file that ends with .{}", endings.join(" or ."));
         return Err(Error::input(path, None, what, UNPACK));
@@ -51,7 +60,36 @@ pub(crate) fn each(
         let inner = zip.by_index(number).map_err(damaged)?;
         take(plain(Box::new(Bounded { inner, left }), path)?)?;
     }
-    Ok(())
+    Ok(themes_of(&left_out))
+}
+
+/// Folder of the themes of a city of PLATEAU (Japan): `udx/bldg/53394525_bldg_6697_op.gml`.
+const THEMES: &str = "udx/";
+/// Themes that stand on the ground or are it: buildings, bridges, plants, furniture, terrain.
+const STANDING: [&str; 5] = ["bldg", "brid", "veg", "frn", "dem"];
+
+/// Returns the theme of a file: the folder in `udx`.
+fn theme_of(name: &str) -> Option<&str> {
+    let start = name.find(THEMES).filter(|at| *at == 0 || name.get(..*at).is_some_and(|head| head.ends_with('/')))?;
+    name.get(start + THEMES.len()..)?.split_once('/').map(|(theme, _)| theme)
+}
+
+/// Returns true for a file of one of the themes, or without a theme. No themes: those of buildings
+/// and what stands beside them.
+fn is_of(name: &str, themes: &[String]) -> bool {
+    let Some(theme) = theme_of(name) else { return true };
+    match themes.is_empty() {
+        true => STANDING.contains(&theme),
+        false => themes.iter().any(|wanted| wanted.eq_ignore_ascii_case(theme)),
+    }
+}
+
+fn themes_of(names: &[String]) -> Vec<String> {
+    let mut themes: Vec<String> =
+        names.iter().filter_map(|name| Some(format!("`{}`", excerpt(theme_of(name)?.as_bytes())))).collect();
+    themes.sort_unstable();
+    themes.dedup();
+    themes
 }
 
 /// Returns true if a path is a zip whose wanted files have the first of the endings, or a zip of
@@ -76,6 +114,14 @@ pub(crate) fn of_folder(folder: &Path, endings: &[&str]) -> Result<Vec<PathBuf>>
     files.sort_unstable();
     let with = |wanted: &str| -> Vec<PathBuf> { files.iter().filter(|path| ending(path) == wanted).cloned().collect() };
     Ok(endings.iter().map(|wanted| with(wanted)).find(|found| !found.is_empty()).unwrap_or_default())
+}
+
+/// Returns the folders of the themes of a city of PLATEAU that stand on the ground, if `folder` is
+/// that of a city or its `udx`.
+pub(crate) fn theme_folders(folder: &Path) -> Vec<PathBuf> {
+    let is_udx = folder.file_name().is_some_and(|name| name == "udx");
+    let themes = if is_udx { folder.to_owned() } else { folder.join("udx") };
+    STANDING.iter().map(|theme| themes.join(theme)).filter(|theme| theme.is_dir()).collect()
 }
 
 /// Opens a file as a zip; `None` if it is none.
@@ -129,7 +175,7 @@ mod tests {
 
     fn texts(path: &Path) -> Result<Vec<String>> {
         let mut found = Vec::new();
-        each(path, &["gml", "xml"], &mut |mut bytes| {
+        each(path, &["gml", "xml"], &[], &mut |mut bytes| {
             let mut text = String::new();
             bytes.read_to_string(&mut text).map_err(Error::io(path, "read"))?;
             found.push(text);
@@ -139,7 +185,8 @@ mod tests {
     }
 
     /// A zip of five files gives its two tiles by name, a zip of two XML files both of them, and a
-    /// plain file itself; a zip without such a file is refused.
+    /// plain file itself; a zip without such a file is refused. Of three themes of a city the
+    /// buildings are read, or the one that is asked for.
     #[test]
     fn tiles_of_a_zip_are_read_by_name() {
         let folder = tempfile::tempdir().expect("a folder");
@@ -158,6 +205,10 @@ mod tests {
         assert!(has(&path, &["gml", "xml"]));
         write(&[("2.xml", b"two"), ("1.xml", b"one")]);
         assert_eq!((texts(&path).expect("readable").len(), has(&path, &["gml", "xml"])), (2, true));
+        write(&[("c/udx/bldg/1.gml", b"one"), ("c/udx/fld/1.gml", b"flood"), ("c/udx/luse/1.gml", b"field")]);
+        assert_eq!(texts(&path).expect("readable"), ["one"]);
+        let left_out = each(&path, &["gml"], &["FLD".to_owned()], &mut |_| Ok(())).expect("readable");
+        assert_eq!(left_out, ["`bldg`", "`luse`"]);
         write(&[("2.xml", b"two"), ("1.json", b"one")]);
         assert!(!has(&path, &["gml", "xml"]));
         write(&[("1.json", b"one")]);

@@ -72,6 +72,10 @@ pub(crate) struct ShapefileParts {
     pub table: Option<Vec<u8>>,
     /// Bytes of the `.prj`.
     pub system: Option<Vec<u8>>,
+    /// Bytes of the `.shx`.
+    pub index: Option<Vec<u8>>,
+    /// Bytes of the `.cpg`.
+    pub encoding: Option<Vec<u8>>,
 }
 
 /// Returns the one shapefile in a zip; `None` if the bytes are no zip or hold no shapefile.
@@ -111,7 +115,8 @@ pub(crate) fn shapefile(bytes: &[u8], file: &Path) -> Result<Option<ShapefilePar
         Ok(Some(plain))
     };
     let shapes = part(".shp")?.unwrap_or_default();
-    Ok(Some(ShapefileParts { shapes, table: part(".dbf")?, system: part(".prj")? }))
+    let (table, system) = (part(".dbf")?, part(".prj")?);
+    Ok(Some(ShapefileParts { shapes, table, system, index: part(".shx")?, encoding: part(".cpg")? }))
 }
 
 /// Returns true if a name is that of a file that macOS did not add.

@@ -6,6 +6,7 @@ use glam::{DVec2, DVec3};
 
 use super::layout::{Module, Outline, RowAxes};
 use super::rows::RowsOfModules;
+use heliotile_core::site::north::North;
 
 /// A place of the grid.
 #[derive(Clone, Debug, PartialEq)]
@@ -78,11 +79,11 @@ impl PlaceLine {
 }
 
 impl<'a> GroundGrid<'a> {
-    /// Returns the grid of rows whose fronts have `normal` in the scene's axes; `step_m` is the
+    /// Returns the grid of rows; `step_m` is the
     /// approximate distance of its places. Across the rows a pitch holds a whole number of places,
     /// so that all pitches are alike; along the rows the area does.
-    pub fn new(rows: &'a RowsOfModules, step_m: f64, normal: DVec3, outline: &'a Outline) -> Self {
-        let axes = RowAxes::of(normal, outline);
+    pub fn new(rows: &'a RowsOfModules, step_m: f64, north: North, outline: &'a Outline) -> Self {
+        let axes = RowAxes::of(rows, north, outline);
         let [left, right] = axes.sides;
         let across = PlaceLine::new(axes.first_edge(rows), even_step(rows.pitch_m, step_m), axes.behind);
         let along = PlaceLine::new(left, even_step(right - left, step_m), axes.sides);
@@ -159,10 +160,9 @@ mod tests {
     fn among(rows: &RowsOfModules, corners: &[(f64, f64)], below: impl Fn(DVec2) -> Option<f64>) -> GroundPlaces {
         let corners: Vec<DVec2> = corners.iter().copied().map(DVec2::from).collect();
         let outline = Outline::of_polygon(&corners);
-        let normal = rows.turn.normal();
-        let laid = lay(rows, normal, &outline, &below);
+        let laid = lay(rows, North::default(), &outline, &below);
         assert!(!laid.modules.is_empty());
-        GroundGrid::new(rows, STEP_M, normal, &outline).places(OFF_M, below, laid.modules.iter())
+        GroundGrid::new(rows, STEP_M, North::default(), &outline).places(OFF_M, below, laid.modules.iter())
     }
 
     const SQUARE: [(f64, f64); 4] = [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)];

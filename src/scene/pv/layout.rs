@@ -6,6 +6,8 @@ use glam::{DVec2, DVec3};
 use super::rows::RowsOfModules;
 use crate::covering::surfaces::Surface;
 use crate::plan::is_within;
+use heliotile_core::orientation::fan::Orientation;
+use heliotile_core::site::north::North;
 
 /// A module in input coordinates, metres.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,8 +31,11 @@ pub struct Outline {
 
 /// Step along a row after a place where a module does not fit, metres.
 const STEP_M: f64 = 0.05;
-/// Tolerance of rounding, metres.
+/// Tolerance of computations, metres.
 const ROUNDING_M: f64 = 1e-6;
+/// Distance by which a module may stand out of its area, metres: corners of areas are often given
+/// to the centimetre.
+const OUTSIDE_M: f64 = 0.01;
 /// Height by which a surface may rise above a module's rear and still only touch it, metres.
 const TOUCHING_M: f64 = 1e-3;
 
@@ -74,19 +79,17 @@ impl Outline {
         is_within(self.edges.iter().copied(), p)
     }
 
-    /// Returns true if a convex shape lies in the area, at least `setback_m` from all edges.
+    /// Returns true if a rectangle lies in the area, at least `setback_m` from all edges;
+    /// [`OUTSIDE_M`] of it may stand out.
     fn holds(&self, shape: &[DVec2; 4], setback_m: f64) -> bool {
-        let inside = |p: DVec2| self.contains(p);
-        let sides = || shape.iter().zip(shape.iter().cycle().skip(1));
-        let middle = shape.iter().sum::<DVec2>() / 4.0;
-        // Corners may lie on the edge.
-        inside(middle)
-            && shape.iter().all(|p| inside(*p + (middle - *p).normalize_or_zero() * ROUNDING_M))
-            && self.edges.iter().all(|[a, b]| {
-                let near = sides().map(|(p, q)| between([*p, *q], [*a, *b])).fold(f64::INFINITY, f64::min);
-                near >= setback_m - 2.0 * ROUNDING_M
-            })
-            && !self.edges.iter().any(|edge| sides().any(|(p, q)| cross(shrunk([*p, *q], middle), *edge)))
+        let inner = inset(shape);
+        let sides = || inner.iter().zip(inner.iter().cycle().skip(1)).map(|(p, q)| [*p, *q]);
+        let is_clear = |edge: &[DVec2; 2]| {
+            sides().all(|side| !cross(side, *edge) && between(side, *edge) >= setback_m - 2.0 * ROUNDING_M)
+        };
+        self.contains(inner.iter().sum::<DVec2>() / 4.0)
+            && inner.iter().all(|p| self.contains(*p))
+            && self.edges.iter().all(is_clear)
     }
 
     /// Returns the least and the greatest product of the outline's corners with a direction.
@@ -96,8 +99,11 @@ impl Outline {
     }
 }
 
-fn shrunk(side: [DVec2; 2], middle: DVec2) -> [DVec2; 2] {
-    side.map(|p| p + (middle - p).normalize_or_zero() * 2.0 * ROUNDING_M)
+/// Returns a rectangle whose sides lie [`OUTSIDE_M`] further inside, or less in one that is narrow.
+fn inset([a, b, c, d]: &[DVec2; 4]) -> [DVec2; 4] {
+    let inwards = |side: DVec2| side.normalize_or_zero() * OUTSIDE_M.min(side.length() / 4.0);
+    let (right, back) = (inwards(*b - *a), inwards(*d - *a));
+    [*a + right + back, *b - right + back, *c - right - back, *d + right - back]
 }
 
 /// Returns true if two lines cross.
@@ -132,10 +138,10 @@ pub(super) struct RowAxes {
 }
 
 impl RowAxes {
-    /// Returns the axes of rows whose fronts have `normal` in the scene's axes.
-    pub fn of(normal: DVec3, outline: &Outline) -> Self {
-        // Modules that lie flat have their rows across y.
-        let faces = normal.truncate().try_normalize().unwrap_or(DVec2::NEG_Y);
+    /// Returns the axes of rows in the scene's axes. Modules that lie flat face their azimuth, too.
+    pub fn of(rows: &RowsOfModules, north: North, outline: &Outline) -> Self {
+        let upright = Orientation { tilt_deg: 90.0, ..rows.turn };
+        let faces = north.to_axes(upright.normal()).truncate().normalize_or(DVec2::NEG_Y);
         let along = DVec2::new(-faces.y, faces.x);
         RowAxes { faces, along, behind: outline.extent(-faces), sides: outline.extent(along) }
     }
@@ -157,27 +163,27 @@ impl RowAxes {
 pub struct Laid {
     /// Modules row by row, from the row that faces outwards.
     pub modules: Vec<Module>,
+    /// Number of rows with modules.
+    pub rows: usize,
     /// Number of modules that fit, but have no surface below or an obstacle through them.
     pub left_out: usize,
 }
 
-/// Lays out rows. `normal` is that of their fronts in the scene's axes; `below` gives the height of
-/// the surface under a place in plan.
-pub fn lay(rows: &RowsOfModules, normal: DVec3, outline: &Outline, below: impl Fn(DVec2) -> Option<f64>) -> Laid {
-    let axes = RowAxes::of(normal, outline);
+/// Lays out rows. `below` gives the height of the surface under a place in plan.
+pub fn lay(rows: &RowsOfModules, north: North, outline: &Outline, below: impl Fn(DVec2) -> Option<f64>) -> Laid {
+    let axes = RowAxes::of(rows, north, outline);
     let RowAxes { faces, along, behind: [_, last], sides: [left, right] } = axes;
-    let (sin, cos) = (normal.truncate().length(), normal.z);
-    let up = (-faces * cos).extend(sin);
-    let depth = rows.height_m * cos.max(0.0);
+    let normal = north.to_axes(rows.turn.normal());
+    let up = (-faces * normal.z).extend(normal.truncate().length());
+    let depth = rows.height_m * normal.z.max(0.0);
     let mut laid = Laid::default();
-    let mut number = 0;
     for row in 0_u32.. {
         let back = axes.first_edge(rows) + f64::from(row) * rows.pitch_m;
-        if back + depth > last - rows.setback_m + ROUNDING_M {
+        if back + depth > last - rows.setback_m + OUTSIDE_M {
             break;
         }
         let (mut side, mut count) = (left + rows.setback_m, 0);
-        while side + rows.width_m <= right - rows.setback_m + ROUNDING_M {
+        while side + rows.width_m <= right - rows.setback_m + OUTSIDE_M {
             let lower = axes.at(side, back);
             let foot = [lower, lower + along * rows.width_m];
             let head = foot.map(|p| p - faces * depth);
@@ -192,11 +198,9 @@ pub fn lay(rows: &RowsOfModules, normal: DVec3, outline: &Outline, below: impl F
                 continue;
             };
             // A row gets its number with its first module, so that empty rows leave no gap.
-            if count == 0 {
-                number += 1;
-            }
+            laid.rows += usize::from(count == 0);
             count += 1;
-            let name = format!("{}/{number}/{count}", rows.name);
+            let name = format!("{}/{}/{count}", rows.name, laid.rows);
             laid.modules.push(Module { name, front, normal, thickness_m: rows.thickness_m });
         }
     }
@@ -218,6 +222,9 @@ fn raised(
     below: &impl Fn(DVec2) -> Option<f64>,
 ) -> Option<[DVec3; 4]> {
     let [a, b, c, d] = *plan;
+    // The surface may end a little before the module does.
+    let within = (a + c) / 2.0;
+    let below = |p: DVec2| below(p).or_else(|| below(p.move_towards(within, 2.0 * OUTSIDE_M)));
     let rises = [0.0, 0.0, up.z, up.z];
     // The rear lies lower than the front.
     let down = normal.z * rows.thickness_m;
@@ -277,7 +284,6 @@ impl Module {
 pub(super) mod tests {
     use super::*;
     use crate::pv::rows::RowsGround;
-    use heliotile_core::orientation::fan::Orientation;
 
     /// Returns rows of modules of 1 m x 2 m, 3 m apart.
     pub fn rows(tilt_deg: f64, azimuth_deg: f64, setback_m: f64) -> RowsOfModules {
@@ -311,8 +317,13 @@ pub(super) mod tests {
         let outline = Outline::of_polygon(&square(10.0));
         for (setback, count) in [(0.0, 40), (1.0, 24)] {
             let rows = rows(60.0, 180.0, setback);
-            let laid = lay(&rows, rows.turn.normal(), &outline, |_| Some(0.0));
-            assert_eq!((laid.modules.len(), laid.left_out), (count, 0), "{setback}");
+            let laid = lay(&rows, North::default(), &outline, |_| Some(0.0));
+            let of_rows = count / laid.rows;
+            assert_eq!(
+                (laid.modules.len(), of_rows, laid.left_out),
+                (count, 10 - 2 * setback as usize, 0),
+                "{setback}"
+            );
             let [a, b, c, _] = laid.modules[0].front;
             let low = 0.5 + 0.5 * 0.03;
             assert!(a.distance(DVec3::new(setback, setback, low)) < 1e-9, "{a}");
@@ -328,12 +339,12 @@ pub(super) mod tests {
     #[test]
     fn turned_rows_leave_a_missing_quarter_free() {
         let west = rows(60.0, 270.0, 0.0);
-        let laid = lay(&west, west.turn.normal(), &Outline::of_polygon(&square(10.0)), |_| Some(0.0));
+        let laid = lay(&west, North::default(), &Outline::of_polygon(&square(10.0)), |_| Some(0.0));
         assert_eq!(laid.modules.len(), 40);
         assert!(laid.modules[0].front[0].x.abs() < 1e-9, "{:?}", laid.modules[0]);
         let l = [(0.0, 0.0), (10.0, 0.0), (10.0, 5.0), (5.0, 5.0), (5.0, 10.0), (0.0, 10.0)].map(DVec2::from);
         let south = rows(60.0, 180.0, 0.0);
-        let laid = lay(&south, south.turn.normal(), &Outline::of_polygon(&l), |_| Some(0.0));
+        let laid = lay(&south, North::default(), &Outline::of_polygon(&l), |_| Some(0.0));
         // Rows at 0 and 3 m have 10 modules, rows at 6 and 9 m have 5.
         assert_eq!(laid.modules.len(), 30);
         assert!(laid.modules.iter().all(|m| m.front.iter().all(|p| p.x < 5.0 + 1e-6 || p.y < 5.0 + 1e-6)));
@@ -352,7 +363,7 @@ pub(super) mod tests {
         (rows.clearance_m, rows.pitch_m) = (0.1, 2.0);
         let plane = |p: DVec2| p.y * 30.0_f64.to_radians().tan();
         let outline = Outline::of_polygon(&square(10.0));
-        let laid = lay(&rows, rows.turn.normal(), &outline, |p| Some(plane(p)));
+        let laid = lay(&rows, North::default(), &outline, |p| Some(plane(p)));
         assert_eq!(laid.modules.len(), 50);
         let gap = |p: DVec3| p.z - plane(p.truncate());
         // Heights are measured straight up from the roof.
@@ -362,7 +373,46 @@ pub(super) mod tests {
         // A chimney in the middle of a module, a pipe near its corner, one between two modules.
         for (x, y, radius, left_out) in [(4.5, 0.866, 0.3, 1), (4.25, 1.3, 0.15, 1), (5.0, 0.866, 0.15, 2)] {
             let pipe = |p: DVec2| Some(if p.distance(DVec2::new(x, y)) < radius { 9.0 } else { plane(p) });
-            assert_eq!(lay(&rows, rows.turn.normal(), &outline, pipe).left_out, left_out, "{x} {y}");
+            assert_eq!(lay(&rows, North::default(), &outline, pipe).left_out, left_out, "{x} {y}");
+        }
+    }
+
+    /// An area of 10 m x 13 m that faces 232.5 degrees holds 5 rows of 10 modules whether its
+    /// corners are exact, or rounded to the millimetre or the centimetre; with corners 3 cm
+    /// inwards it holds fewer.
+    #[test]
+    fn rounded_corners_lose_no_row() {
+        let mut west = rows(60.0, 232.5, 0.0);
+        for (setback, grown) in [(0.0, 0.0), (0.5, 0.5)] {
+            west.setback_m = setback;
+            let faces = west.turn.normal().truncate().normalize();
+            let along = DVec2::new(-faces.y, faces.x);
+            let corner = |side: f64, back: f64| along * side - faces * back + DVec2::new(78_725.7, 457_942.2);
+            let (low, wide, deep) = (-grown, 10.0 + grown, 13.0 + grown);
+            let exact = [corner(low, low), corner(wide, low), corner(wide, deep), corner(low, deep)];
+            for digits in [1e9, 1e3, 1e2] {
+                let corners = exact.map(|p| (p * digits).round() / digits);
+                let laid = lay(&west, North::default(), &Outline::of_polygon(&corners), |_| Some(0.0));
+                assert_eq!((laid.modules.len(), laid.rows, laid.left_out), (50, 5, 0), "{setback} {digits}");
+            }
+        }
+        let south = rows(60.0, 180.0, 0.0);
+        let narrow = [(0.0, 0.0), (9.97, 0.0), (9.97, 10.0), (0.0, 10.0)].map(DVec2::from);
+        let laid = lay(&south, North::default(), &Outline::of_polygon(&narrow), |_| Some(0.0));
+        assert_eq!(laid.modules.len(), 36);
+    }
+
+    /// Flat modules of 1 m x 2 m that face east, in rows 5 m apart, fill 20 m x 40 m with 4 rows of
+    /// 40; facing south they fill it with 8 rows of 20.
+    #[test]
+    fn flat_rows_keep_their_azimuth() {
+        let area = [(-10.0, -20.0), (10.0, -20.0), (10.0, 20.0), (-10.0, 20.0)].map(DVec2::from);
+        for (azimuth_deg, in_rows, modules) in [(90.0, 4, 160), (180.0, 8, 160), (270.0, 4, 160)] {
+            let flat = RowsOfModules { pitch_m: 5.0, ..rows(0.0, azimuth_deg, 0.0) };
+            let laid = lay(&flat, North::default(), &Outline::of_polygon(&area), |_| Some(0.0));
+            assert_eq!((laid.rows, laid.modules.len()), (in_rows, modules), "{azimuth_deg}");
+            let [a, b, c, _] = laid.modules[0].front;
+            assert!((b - a).cross(c - b).normalize().distance(DVec3::Z) < 1e-9, "{azimuth_deg}");
         }
     }
 }

@@ -14,9 +14,10 @@ use heliotile_core::error::Result;
 use heliotile_core::site::material::{Class, Material};
 use heliotile_core::site::scene_object::ObjectNote;
 
-/// Name of the material of crowns, and name of its group, which schedules of leaves refer to.
+/// Name of the material of crowns.
 const NAME: &str = "canopy";
-const GROUP: &str = "trees";
+/// Name of the group of crowns, which schedules of leaves refer to.
+pub(crate) const TREES: &str = "trees";
 
 /// Largest error of the top of a thinned crown, metres.
 const OFF_M: f32 = 0.25;
@@ -51,7 +52,7 @@ pub(super) fn write(
     // Light passes two walls of a crown, so that each has the square root of its transmittance.
     let share = options.crown().sqrt();
     let canopy = Material::matt(NAME, 0.0, Class::Obstruction);
-    let canopy = Material { transmittance: Some(share), group: Some(GROUP.to_owned()), ..canopy };
+    let canopy = Material { transmittance: Some(share), group: Some(TREES.to_owned()), ..canopy };
     writer.geometry.stated.insert(NAME.to_owned(), canopy);
     let note = |name: &str| ObjectNote {
         object: name.to_owned(),

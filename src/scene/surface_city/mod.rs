@@ -37,6 +37,8 @@ mod straight;
 mod tests;
 mod writer;
 
+pub(crate) use crowns::TREES;
+
 use std::collections::BTreeSet;
 
 use glam::DVec2;

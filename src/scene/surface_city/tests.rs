@@ -210,8 +210,8 @@ fn rasters_without_heights_are_refused() {
 }
 
 /// The street of `tests/data/rasters` has 4 buildings with 7 roofs of 627 m2 within 3 %, 3 trees in
-/// 2 crowns, and materials by its land cover. A survey finds the same 7 objects, ground among them,
-/// 4 of which get receivers.
+/// 2 crowns, whose black leaves get 1 warning, and materials by its land cover. A survey finds the
+/// same 7 objects, ground among them, 4 of which get receivers.
 #[test]
 fn a_street_is_read() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/rasters");
@@ -228,6 +228,8 @@ fn a_street_is_read() {
     let names: Vec<&str> = scene.materials.iter().map(|material| material.name.as_str()).collect();
     assert_eq!(names, ["RoofSurface", "WallSurface", "canopy", "grass", "paved"]);
     let of = |kind: &str| soup.object_names.iter().filter(|name| name.starts_with(kind)).count();
+    let black = |warnings: &[String]| warnings.iter().filter(|text| text.contains("`canopy` are black")).count();
+    assert_eq!(black(&scene.report.warnings), 1, "{:?}", scene.report.warnings);
     assert_eq!([of("building_"), of("trees_")], [4, 2], "{:?} {:?}", soup.object_names, scene.report.notes);
     let surfaces = crate::covering::surfaces::Surfaces::find(&soup, &scene.materials);
     let roofs: Vec<f64> = surfaces.list.iter().filter(|s| s.kind == SurfaceKind::Roof).map(|s| s.area_m2).collect();

@@ -29,6 +29,7 @@ use heliotile_core::memory::MemoryBudget;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::ComponentSet;
 use heliotile_core::replay::run::{Replay, ReplaySettings};
+use heliotile_core::site::north::North;
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::conditions::parse_conditions;
 use heliotile_core::weather::emission::Emission;
@@ -36,6 +37,7 @@ use heliotile_core::weather::formats::epw::{parse_epw, parse_epw_with_air};
 use heliotile_core::weather::formats::weather_file::parse_weather_as;
 use heliotile_core::weather::options::{TimeShift, WeatherOptions};
 use heliotile_core::weather::temperatures::emissions;
+use heliotile_core::weather::time::clock_zone::ClockZone;
 use heliotile_scene::Scene;
 use heliotile_scene::covering::receivers::read_receivers_with_warnings;
 use heliotile_scene::pv::layout::{Outline, lay};
@@ -484,7 +486,7 @@ fn receivers(data: &[u8]) {
     let (mut warnings, mut others) = (Vec::new(), Vec::new());
     let plain = read_receivers_with_warnings(&path, &mut warnings);
     let folder = path.parent().expect("a folder");
-    let tiles = ReceiverTiles::open(&path, [1.0, 2.0, 3.0].into(), folder, 0, &mut others);
+    let tiles = ReceiverTiles::open(&path, [1.0, 2.0, 3.0].into(), folder, 0, &|_, _| Ok(None), &mut others);
     assert_eq!(warnings, others);
     match (plain, tiles) {
         (Ok(plain), Ok(mut tiles)) => {
@@ -514,7 +516,7 @@ fn pv_rows(data: &[u8]) {
         let RowsGround::Area(corners) = &rows.ground else { continue };
         let outline = Outline::of_polygon(corners);
         if outline.places(rows.pitch_m) < 1e5 {
-            let laid = lay(&rows, rows.turn.normal(), &outline, |p| (p.x < 5.0).then_some(1.0));
+            let laid = lay(&rows, North::default(), &outline, |p| (p.x < 5.0).then_some(1.0));
             assert!(laid.modules.len() <= 100_000);
         }
     }
@@ -562,7 +564,7 @@ fn weather_csv(data: &[u8]) {
     let options = WeatherOptions {
         latitude_deg: Some(52.0),
         longitude_deg: Some(4.0),
-        zone_hours: Some(1.0),
+        zone: Some(ClockZone::Hours(1.0)),
         shift: TimeShift::Auto,
         stamped_at: None,
         date_order: None,

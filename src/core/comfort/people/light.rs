@@ -10,6 +10,40 @@ use crate::comfort::mean_radiant::{
 };
 use crate::comfort::surroundings::{SixPlanes, ViewShares};
 
+/// Values of a point in all hours.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PersonNumbers {
+    /// `[number][hour]`; NaN where there is no value.
+    pub values: Vec<Vec<f32>>,
+    /// Hours that are too hot for an index to have a value.
+    pub beyond: Vec<BeyondIndex>,
+}
+
+/// An hour whose mean radiant temperature lies above the range of an index.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BeyondIndex {
+    /// The index.
+    pub column: ComfortColumn,
+    /// Place of the index among the numbers.
+    pub number: usize,
+    /// The hour.
+    pub hour: usize,
+    /// Lower bound of the index, degrees Celsius.
+    pub least_c: f64,
+}
+
+impl PersonNumbers {
+    /// Sets the values that are missing for heat to their lower bounds.
+    pub fn bound(&mut self) {
+        for beyond in &self.beyond {
+            let value = self.values.get_mut(beyond.number).and_then(|values| values.get_mut(beyond.hour));
+            if let Some(value) = value {
+                *value = beyond.least_c as f32;
+            }
+        }
+    }
+}
+
 /// Shortwave irradiance of a point, `[plane][hour]`, W/m2.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PersonLight {
@@ -28,17 +62,17 @@ impl PersonLight {
         }
     }
 
-    /// Returns the values of all hours, `[column][hour]`, in the order of `asked`; NaN where there
-    /// is none.
+    /// Returns the values of all hours, in the order of `asked`.
     pub fn numbers(
         &self,
         views: &SixPlanes<ViewShares>,
         climates: &[HourClimate],
         asked: &[ComfortColumn],
         model: &ComfortModel,
-    ) -> Vec<Vec<f32>> {
+    ) -> PersonNumbers {
         let count = asked.iter().map(|column| column.width()).sum();
         let mut numbers = vec![Vec::with_capacity(climates.len()); count];
+        let mut beyond = Vec::new();
         for (hour, climate) in climates.iter().enumerate() {
             let shortwave = at_hour(&self.total, hour);
             let longwave = climate.surroundings.longwave(views, &shortwave);
@@ -55,6 +89,17 @@ impl PersonLight {
                 }
             };
             let index = |curve: &Option<IndexCurve>| curve.as_ref()?.at(mean_radiant_c?);
+            let mut number = 0;
+            for column in asked {
+                let curve = match column {
+                    ComfortColumn::Utci => &climate.utci,
+                    ComfortColumn::Pet => &climate.pet,
+                    _ => &None,
+                };
+                let bound = curve.as_ref().zip(mean_radiant_c).and_then(|(curve, c)| curve.least_beyond(c));
+                beyond.extend(bound.map(|least_c| BeyondIndex { column: *column, number, hour, least_c }));
+                number += column.width();
+            }
             let mut to = numbers.iter_mut();
             let mut push = |value: Option<f64>| {
                 if let Some(to) = to.next() {
@@ -73,7 +118,7 @@ impl PersonLight {
                 }
             }
         }
-        numbers
+        PersonNumbers { values: numbers, beyond }
     }
 }
 

@@ -94,7 +94,7 @@ fn of_digits(text: &str) -> Option<StampText> {
         let clock = match clock.len() {
             2 => time_of(&format!("{clock}00"))?,
             4 => time_of(clock)?,
-            6 => time_of(&format!("{}:{}:{}", &clock[..2], &clock[2..4], &clock[4..]))?,
+            6 => time_of(clock)?,
             _ => return None,
         };
         Some(StampText {
@@ -137,8 +137,8 @@ fn on_24_hours(clock: ClockText, afternoon: Option<bool>) -> Option<ClockText> {
     Some(ClockText { seconds: in_half + if afternoon { HALF_S } else { 0 }, ends_day: false })
 }
 
-/// Reads `12:30`, `12:30:15`, `12:30:15.000`, `1230`; 24:00 is the next midnight. Fractions of
-/// seconds are dropped.
+/// Reads `12:30`, `12:30:15`, `12:30:15.000`, `1230`, `123015`; 24:00 is the next midnight.
+/// Fractions of seconds are dropped.
 fn time_of(text: &str) -> Option<ClockText> {
     let (hours, minutes, seconds) = match text.split_once(':') {
         Some((hours, rest)) => match rest.split_once(':') {
@@ -146,6 +146,7 @@ fn time_of(text: &str) -> Option<ClockText> {
             None => (hours, rest, "0"),
         },
         None if text.len() == 4 => (text.get(..2)?, text.get(2..)?, "0"),
+        None if text.len() == 6 => (text.get(..2)?, text.get(2..4)?, text.get(4..)?),
         None => return None,
     };
     let [hours, minutes, seconds] = [digits(hours)?, digits(minutes)?, digits(seconds)?];
@@ -160,7 +161,8 @@ pub fn digits(text: &str) -> Option<u32> {
     text.parse().ok().filter(|_| right)
 }
 
-/// Reads a length of time in minutes: `PT30M`, `PT1H`, `30`, `30 min`, `1 h`, `0:30`.
+/// Reads a length of time in minutes: `PT30M`, `PT1H`, `30`, `30 min`, `1 h`, `0:30`, `0 days
+/// 01:00:00` of pandas.
 pub fn parse_minutes(text: &str) -> Option<f64> {
     let lower = text.trim().to_ascii_lowercase();
     if let Some(iso) = lower.strip_prefix('p') {
@@ -181,6 +183,7 @@ pub fn parse_minutes(text: &str) -> Option<f64> {
         }
         return (number.is_empty() && minutes > 0.0).then_some(minutes);
     }
+    let lower = lower.strip_prefix("0 days ").unwrap_or(&lower);
     if let Some((hours, minutes)) = lower.split_once(':') {
         return Some(f64::from(digits(hours)? * 60 + digits(minutes.get(..2)?)?)).filter(|minutes| *minutes > 0.0);
     }
@@ -202,10 +205,10 @@ mod tests {
     /// Seconds of 1 June 2021, 12:30.
     const NOON: i64 = 1_622_550_600;
 
-    /// Twenty-five ways to write 12:30 of 1 June 2021 give 1,622,550,600 seconds after 1970, ten of
-    /// them with a zone. Midnight is 24:00 of the day before.
+    /// Twenty-six ways to write 12:30 of 1 June 2021 give 1,622,550,600 seconds after 1970, eleven
+    /// of them with a zone. Midnight is 24:00 of the day before.
     #[test]
-    fn one_moment_reads_from_25_spellings() {
+    fn one_moment_reads_from_26_spellings() {
         for (text, zone) in [
             ("2021-06-01T12:30", None),
             ("2021-06-01 12:30", None),
@@ -223,6 +226,7 @@ mod tests {
             ("01 June 2021 12:30 PM", None),
             ("Jun 1, 2021, 12:30:00 pm", None),
             ("20210601T1230Z", Some(0.0)),
+            ("20210601T123000Z", Some(0.0)),
             ("2021-06-01T12:30Z", Some(0.0)),
             ("2021-06-01 12:30:00+00:00", Some(0.0)),
             ("2021-06-01T12:30:00-03:30", Some(-3.5)),
@@ -293,7 +297,7 @@ mod tests {
         assert_eq!(parse_stamp("1\u{e9}/0\u{e9}/2021", None), None);
     }
 
-    /// Seven clocks give their seconds after midnight, 24:00 among them, and six lengths of time
+    /// Seven clocks give their seconds after midnight, 24:00 among them, and eight lengths of time
     /// their minutes. Six texts of neither kind are refused.
     #[test]
     fn clocks_and_lengths_of_time_are_read() {
@@ -303,8 +307,16 @@ mod tests {
             assert_eq!(parse_clock(text), Some(ClockText { seconds, ends_day: false }), "{text}");
         }
         assert_eq!(parse_clock("24:00"), Some(ClockText { seconds: 86_400, ends_day: true }));
-        let lengths =
-            [("PT30M", 30.0), ("PT1H", 60.0), ("P0DT1H30M", 90.0), ("30", 30.0), ("5 min", 5.0), ("01:00", 60.0)];
+        let lengths = [
+            ("PT30M", 30.0),
+            ("PT1H", 60.0),
+            ("P0DT1H30M", 90.0),
+            ("30", 30.0),
+            ("5 min", 5.0),
+            ("01:00", 60.0),
+            ("01:00:00", 60.0),
+            ("0 days 00:15:00", 15.0),
+        ];
         for (text, minutes) in lengths {
             assert_eq!(parse_minutes(text), Some(minutes), "{text}");
         }

@@ -8,12 +8,16 @@ use crate::error::{Error, Result};
 use crate::weather::judging::raw_weather::RawRow;
 use crate::weather::options::StampedAt;
 use crate::weather::time::calendar::Date;
+use crate::weather::time::clock_zone::ClockZone;
 use crate::weather::time::sun::Interval;
 
 /// Steps that a series of weather may have, seconds.
 const STEPS_S: std::ops::RangeInclusive<i64> = 60..=3600;
 
 const DAY_S: i64 = 86_400;
+
+/// Zones that are no whole hours ahead of UTC, seconds.
+const HALF_HOUR_ZONES_S: [i64; 9] = [-34_200, -12_600, -9_000, 12_600, 16_200, 19_800, 23_400, 34_200, 37_800];
 
 /// Rows with their time stamps.
 pub struct StampedRows {
@@ -29,6 +33,24 @@ pub struct StampedRows {
     pub late_min: f64,
     /// Shift of the first stamp from the file's clock to another one, seconds.
     pub moved_s: i64,
+    /// Clock that bounds days where it is not that of `seconds`.
+    pub legal: Option<LegalDays>,
+}
+
+/// Days of a clock with summer time, for stamps in its standard time.
+#[derive(Clone, Copy)]
+pub struct LegalDays {
+    pub zone: ClockZone,
+    /// Hours that the standard time of the stamps is ahead of UTC.
+    pub standard_hours: f64,
+}
+
+impl LegalDays {
+    /// Returns the seconds that the legal clock is ahead of a moment of standard time.
+    fn ahead_s(self, at: i64) -> i64 {
+        let standard_s = (self.standard_hours * 3600.0).round() as i64;
+        self.zone.offset_s(at - standard_s) - standard_s
+    }
 }
 
 /// Rows with their intervals.
@@ -50,23 +72,70 @@ struct Missing {
 
 impl StampedRows {
     /// Finds the step, which is the most common time from row to row, and with it the intervals.
-    pub fn stepped(self, path: &Path) -> Result<SteppedRows> {
+    pub fn stepped(mut self, path: &Path) -> Result<SteppedRows> {
         let step = self.step(path)?;
+        self.join_months(step);
         let missing = self.check_order(path, step)?;
         let back = self.back(step);
-        let StampedRows { mut rows, seconds, stamped_at, late_min, .. } = self;
+        let StampedRows { mut rows, seconds, stamped_at, late_min, legal, .. } = self;
         let step_min = step as f64 / 60.0;
         let before_min = stamped_at.share_before() * step_min - back as f64 / 60.0;
         for (row, at) in rows.iter_mut().zip(seconds) {
             let at = at - back;
-            let Some(date) = date_of(at) else {
+            let ahead_s = legal.map_or(0, |legal| legal.ahead_s(at));
+            let Some(date) = date_of(at + ahead_s) else {
                 let what = "the time stamp lies in no year from 1 to 2999";
                 return Err(Error::input(path, row.line, what, "correct the time stamp"));
             };
-            let start_min = at.rem_euclid(DAY_S) as f64 / 60.0 - before_min + late_min;
+            let into_day_s = (at + ahead_s).rem_euclid(DAY_S) - ahead_s;
+            let start_min = into_day_s as f64 / 60.0 - before_min + late_min;
             row.interval = Interval { date, start_min, end_min: start_min + step_min };
         }
         Ok(SteppedRows { rows, step_min, warning: missing.sentence(path, step) })
+    }
+
+    /// Returns the place of stamps that cannot be starts, and the seconds from them to this place:
+    /// all at half a step are middles, all a minute or a second before a step are ends. `is_utc`
+    /// says that the stamps are in UTC, where the hours of zones of half hours start at half past.
+    pub fn place_by_clock(&self, path: &Path, is_utc: bool) -> Result<Option<(StampedAt, i64)>> {
+        let step = self.step(path)?;
+        let mut rests = self.seconds.iter().map(|at| (at - self.moved_s).rem_euclid(step));
+        let Some(rest) = rests.next().filter(|first| rests.all(|rest| rest == *first)) else { return Ok(None) };
+        let first_s = self.seconds.first().map_or(0, |at| (at - self.moved_s).rem_euclid(DAY_S));
+        if is_utc && first_s != rest && HALF_HOUR_ZONES_S.contains(&((DAY_S - first_s + DAY_S / 2) % DAY_S - DAY_S / 2))
+        {
+            return Ok(None);
+        }
+        Ok(match step - rest {
+            1 => Some((StampedAt::End, 1)),
+            60 if step > 120 => Some((StampedAt::End, 60)),
+            half if 2 * half == step => Some((StampedAt::Middle, 0)),
+            _ => None,
+        })
+    }
+
+    /// Gives the last hours of a month the year of its other hours. A typical year that was put
+    /// together in UTC has the year of the next month there, in the file's own clock.
+    fn join_months(&mut self, step: i64) {
+        let back = self.back(step) + self.moved_s;
+        let mut joined: Option<(i64, Date)> = None;
+        for row in 1..self.seconds.len() {
+            let [Some(before), Some(date)] = [row - 1, row].map(|row| date_of(self.seconds[row] - back)) else {
+                return;
+            };
+            let apart = self.seconds[row] - self.seconds[row - 1];
+            if joined.is_none_or(|(_, last)| (last.year, last.month) != (date.year, date.month)) {
+                let moved = Date::new(before.year, date.month, date.day).filter(|_| before.year != date.year);
+                let moved_s = moved.map(|moved| i64::from(moved.day_number() - date.day_number()) * DAY_S);
+                // Within one day the clock goes on, and only the year jumps.
+                joined = moved_s
+                    .filter(|moved_s| before.month == date.month && apart != step && apart + moved_s == step)
+                    .map(|moved_s| (moved_s, date));
+            }
+            if let Some((moved_s, _)) = joined {
+                self.seconds[row] += moved_s;
+            }
+        }
     }
 
     /// Returns the seconds before its stamp at which a row counts to a day.
@@ -74,7 +143,8 @@ impl StampedRows {
         if self.stamped_at == StampedAt::End && self.day_of_start { step } else { 0 }
     }
 
-    fn step(&self, path: &Path) -> Result<i64> {
+    /// Returns the most common time from row to row, seconds.
+    pub fn step(&self, path: &Path) -> Result<i64> {
         let mut counts = BTreeMap::<i64, usize>::new();
         for (before, after) in self.seconds.iter().zip(self.seconds.iter().skip(1)) {
             *counts.entry(after - before).or_default() += 1;

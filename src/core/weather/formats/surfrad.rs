@@ -13,11 +13,12 @@ use crate::error::{Error, Result};
 use crate::text::excerpt;
 use crate::weather::air::{Air, dew_point_c};
 use crate::weather::formats::stamp_text::{clock_seconds, digits};
-use crate::weather::formats::stamped::{StampedRows, SteppedRows};
+use crate::weather::formats::stamped::{LegalDays, StampedRows, SteppedRows};
 use crate::weather::judging::raw_weather::{AIR_C, RawRow, RawWeather, WIND_M_S, irradiance};
 use crate::weather::judging::station::Station;
 use crate::weather::options::{StampedAt, WeatherOptions};
 use crate::weather::time::calendar::Date;
+use crate::weather::time::clock_zone::ClockZone;
 use crate::weather::time::sun::Interval;
 
 /// Index of the column in a row; a flag stands behind each from the eighth on.
@@ -48,9 +49,7 @@ pub(super) fn read(path: &Path, bytes: &[u8], options: &WeatherOptions) -> Resul
     let mut lines = text.lines().map(str::trim).zip(1_usize..);
     let name = lines.next().map_or("", |(line, _)| line);
     let place = lines.next().map_or("", |(line, _)| line);
-    let zone_hours = options.zone_hours.unwrap_or(0.0);
-    let station = Station { zone_hours: Some(zone_hours), ..station(path, name, place)? };
-    let ahead = (zone_hours * 3600.0).round() as i64;
+    let station = station(path, name, place)?;
     let (mut rows, mut seconds, mut air) = (Vec::new(), Vec::new(), Vec::new());
     for (line, number) in lines {
         if line.is_empty() || line == name || line == place {
@@ -62,7 +61,7 @@ pub(super) fn read(path: &Path, bytes: &[u8], options: &WeatherOptions) -> Resul
             return Err(Error::input(path, number, what, "the file may be cut off; fetch it again"));
         }
         let row = SurfradRow { path, line: number, cells };
-        seconds.push(row.seconds()? + ahead);
+        seconds.push(row.seconds()?);
         rows.push(row.light()?);
         if options.with_air {
             air.push(row.air());
@@ -71,11 +70,26 @@ pub(super) fn read(path: &Path, bytes: &[u8], options: &WeatherOptions) -> Resul
     if rows.is_empty() {
         return Err(Error::input(path, None, "the file has no weather rows", "SURFRAD has them from line 3 on"));
     }
+    let year = seconds.first().and_then(|first| Date::of_day_number((first / 86_400) as i32)).map(|date| date.year);
+    let zone = options.zone.unwrap_or(ClockZone::Hours(0.0));
+    let zone_hours = zone.standard_hours(year.unwrap_or(Date::NO_YEAR));
+    let station = Station { zone_hours: Some(zone_hours), ..station };
+    let ahead = (zone_hours * 3600.0).round() as i64;
+    seconds.iter_mut().for_each(|stamp| *stamp += ahead);
+    let legal = matches!(zone, ClockZone::Named(_)).then_some(LegalDays { zone, standard_hours: zone_hours });
     let stamped_at = options.stamped_at.unwrap_or(StampedAt::End);
     // A daily file starts with 00:00.
-    let stamped = StampedRows { rows, seconds, stamped_at, day_of_start: false, late_min: 0.0, moved_s: ahead };
+    let stamped = StampedRows { rows, seconds, stamped_at, day_of_start: false, late_min: 0.0, moved_s: ahead, legal };
     let SteppedRows { rows, step_min, warning } = stamped.stepped(path)?;
-    Ok(RawWeather { station, rows, air, step_min, stamped_at, warnings: warning.into_iter().collect() })
+    Ok(RawWeather {
+        station,
+        rows,
+        air,
+        step_min,
+        stamped_at,
+        zenith_deg: Vec::new(),
+        warnings: warning.into_iter().collect(),
+    })
 }
 
 fn station(path: &Path, name: &str, place: &str) -> Result<Station> {

@@ -25,8 +25,13 @@ const MISSING: f64 = -9900.0;
 /// Least radiation that is no measurement; some programs write 9999 for missing here, too.
 const MISSING_RADIATION: f64 = 9999.0;
 
-/// Returns true if the second line names the columns as TMY3 does.
+/// Returns true if the second line names the columns as TMY3 does. A first line with an averaging
+/// method is that of SolarAnywhere, whose stamps it places.
 pub(super) fn is_tmy3(bytes: &[u8]) -> bool {
+    let first = bytes.split(|byte| *byte == b'\n').next().unwrap_or_default();
+    if String::from_utf8_lossy(first).to_lowercase().contains("averaging method") {
+        return false;
+    }
     let second = bytes.split(|byte| *byte == b'\n').nth(1).unwrap_or_default();
     let second = second.trim_ascii_start();
     let start = second.strip_prefix(b"\"").unwrap_or(second).get(..8);
@@ -100,7 +105,7 @@ pub(super) fn read(path: &Path, bytes: &[u8], options: &WeatherOptions) -> Resul
             let what = format!("the row has {} columns instead of {}", cells.len(), columns.count);
             return Err(Error::input(path, line, what, "the file may be cut off; fetch it again"));
         }
-        let row = row(path, line, &cells, &columns)?;
+        let row = row(path, line, &cells, &columns, raw.is_empty())?;
         if let Some(before) = raw.last()
             && !before.is_followed_by(&row)
         {
@@ -117,7 +122,15 @@ pub(super) fn read(path: &Path, bytes: &[u8], options: &WeatherOptions) -> Resul
     if raw.is_empty() {
         return Err(Error::input(path, None, "the file has no weather rows", "TMY3 has them from line 3 on"));
     }
-    Ok(RawWeather { station, rows: raw, air, step_min: 60.0, stamped_at: StampedAt::End, warnings: Vec::new() })
+    Ok(RawWeather {
+        station,
+        rows: raw,
+        air,
+        step_min: 60.0,
+        stamped_at: StampedAt::End,
+        zenith_deg: Vec::new(),
+        warnings: Vec::new(),
+    })
 }
 
 /// Reads the first line. The name may hold commas, and cells of other programs may stand behind the
@@ -150,7 +163,7 @@ fn site(path: &Path, line: &str) -> Result<Station> {
     Ok(Station::known(name.join(", "), site))
 }
 
-fn row(path: &Path, line: usize, cells: &[&str], columns: &Columns) -> Result<RawRow> {
+fn row(path: &Path, line: usize, cells: &[&str], columns: &Columns, is_first: bool) -> Result<RawRow> {
     let cell = |place: usize| cells.get(place).copied().unwrap_or_default();
     let bad = |name: &str, text: &str, hint: &str| {
         Error::input(path, line, format!("column `{name}` holds `{}`", excerpt(text, 60)), hint)
@@ -164,8 +177,13 @@ fn row(path: &Path, line: usize, cells: &[&str], columns: &Columns) -> Result<Ra
     })();
     let date = date.ok_or_else(|| bad("Date", cell(columns.date), "write a date that exists as MM/DD/YYYY"))?;
     let time = cell(columns.time);
-    let hour = time.strip_suffix(":00").and_then(whole).filter(|hour| (1..=24).contains(hour));
-    let hour = hour.ok_or_else(|| bad("Time", time, "TMY3 holds whole hours by their end, 01:00 to 24:00"))?;
+    let clock = time.strip_suffix(":00:00").or(time.strip_suffix(":00"));
+    // Programs write the 24:00 of a day as the 00:00 of the next one, but not in a first row.
+    let least = u32::from(is_first);
+    let hour = clock.and_then(whole).filter(|hour| (least..=24).contains(hour));
+    let before = || Date::of_day_number(date.day_number() - 1);
+    let dated = hour.and_then(|hour| if hour == 0 { Some((before()?, 24)) } else { Some((date, hour)) });
+    let (date, hour) = dated.ok_or_else(|| bad("Time", time, "TMY3 holds whole hours by their end, 01:00 to 24:00"))?;
     let mut negative = false;
     let mut radiation = |place: Option<usize>, name: &str| {
         let text = place.map(cell).unwrap_or_default();

@@ -67,12 +67,20 @@ pub(super) fn read(path: &Path, bytes: &[u8], options: &WeatherOptions) -> Resul
     let warning =
         format!("{}: {} rows state no year and are read as rows of {}", path.display(), rows.len(), Date::NO_YEAR);
     let stamped_at = options.stamped_at.unwrap_or(StampedAt::Middle);
-    let stamped = StampedRows { rows, seconds, stamped_at, day_of_start: true, late_min: 0.0, moved_s: 0 };
+    let stamped = StampedRows { rows, seconds, stamped_at, day_of_start: true, late_min: 0.0, moved_s: 0, legal: None };
     let stepped: SteppedRows = stamped.stepped(path)?;
     let warnings = stepped.warning.into_iter().chain([warning]).collect();
     // A .wea file holds no air.
     let air = if options.with_air { vec![Air::default(); stepped.rows.len()] } else { Vec::new() };
-    Ok(RawWeather { station, rows: stepped.rows, air, step_min: stepped.step_min, stamped_at, warnings })
+    Ok(RawWeather {
+        station,
+        rows: stepped.rows,
+        air,
+        step_min: stepped.step_min,
+        stamped_at,
+        zenith_deg: Vec::new(),
+        warnings,
+    })
 }
 
 /// Reads a line above the rows.

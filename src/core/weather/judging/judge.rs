@@ -10,10 +10,14 @@ use crate::weather::findings::{DARK_GHI_W_M2, Finding};
 use crate::weather::judging::gaps::{Filled, fill};
 use crate::weather::judging::raw_weather::{RawRow, RawWeather};
 use crate::weather::judging::station::ScenePlace;
+use crate::weather::judging::sums::{drop_empty_columns, drop_horizontal_dni, month_warning};
+use crate::weather::judging::zenith::place_by_zenith;
 use crate::weather::options::{TimeShift, WeatherOptions};
 use crate::weather::row::WeatherRow;
 use crate::weather::series::{Weather, WeatherReport};
-use crate::weather::time::sun::{Location, extraterrestrial_w_m2};
+use crate::weather::time::calendar::Date;
+use crate::weather::time::clock_zone::ClockZone;
+use crate::weather::time::sun::{Interval, Location, extraterrestrial_w_m2};
 
 /// Largest difference between a clock and the sun, hours. No place on Earth has more; the west of
 /// China comes close, with 2.9 h.
@@ -30,6 +34,10 @@ const FAINT_W_M2: f64 = 2.0;
 /// Least number of rows with a high sun whose largest irradiance says something.
 const FAINT_ROWS: usize = 100;
 
+/// Sine of the sun's altitude at the end of civil twilight, -6 degrees. Below it the sky sends less
+/// than 0.05 W/m2.
+const NIGHT_SINE: f64 = -0.104_528;
+
 /// Hours of a year that is not a leap year.
 const HOURS_OF_YEAR: f64 = 8760.0;
 
@@ -39,16 +47,28 @@ type Judged = Vec<(WeatherRow, Vec<Finding>)>;
 /// Moves time stamps by the user's shift and fills gaps, then checks the rows and the file as a
 /// whole.
 pub fn judged(path: &Path, raw: RawWeather, options: &WeatherOptions, scene: ScenePlace) -> Result<Weather> {
-    let RawWeather { station, mut rows, air, step_min, stamped_at, warnings } = raw;
-    let (site, note) = station.location(path, options, scene)?;
+    let RawWeather { station, mut rows, air, step_min, stamped_at, zenith_deg, mut warnings } = raw;
+    let year = rows.first().map_or(Date::NO_YEAR, |row| row.interval.date.year);
+    let (site, note) = station.location(path, options, year, scene)?;
     let mut report = WeatherReport::default();
     report.warnings.extend(note);
-    let asked = options.stamped_at.unwrap_or(stamped_at);
+    let by_zenith = place_by_zenith(&rows, &zenith_deg, &site, stamped_at);
+    if let Some(at) = by_zenith {
+        warnings.push(format!(
+            "{}: the column of the sun's zenith shows that time stamps are the {} of their intervals: they are read so; \
+             {{weather_stamp}} states another place",
+            path.display(),
+            at.name()
+        ));
+    }
+    let asked = options.stamped_at.or(by_zenith).unwrap_or(stamped_at);
     let mut moved_min = match options.shift {
         TimeShift::Minutes(minutes) => minutes,
         TimeShift::Auto => 0.0,
     };
     shift(&mut rows, moved_min + (stamped_at.share_before() - asked.share_before()) * step_min);
+    warnings.extend(drop_empty_columns(path, &mut rows, &site));
+    warnings.extend(drop_horizontal_dni(path, &mut rows, &site));
     let mut done = all_judged(&rows, &site);
     report.closure = closure(&site, &rows, &done);
     if let (TimeShift::Auto, Some(before)) = (options.shift, report.closure)
@@ -66,9 +86,13 @@ pub fn judged(path: &Path, raw: RawWeather, options: &WeatherOptions, scene: Sce
             before.rmse_w_m2
         ));
     }
-    for (row, findings) in &done {
-        for kind in findings {
-            report.findings.add(*kind, row.line, row.interval.hours(), row.dni_w_m2);
+    for (row, findings) in &mut done {
+        for kind in findings.iter() {
+            let w_m2 = if *kind == Finding::NightOffset { row.dhi_w_m2 } else { row.dni_w_m2 };
+            report.findings.add(*kind, row.line, row.interval.hours(), w_m2);
+        }
+        if findings.contains(&Finding::NightOffset) {
+            row.dhi_w_m2 = 0.0;
         }
     }
     for (raw, air) in rows.iter().zip(&air) {
@@ -84,7 +108,7 @@ pub fn judged(path: &Path, raw: RawWeather, options: &WeatherOptions, scene: Sce
     let ahead = site.hours_ahead_of_clock();
     // No warning is needed with a shift, because the user knows that the clock is wrong; if the
     // user states UTC; or if the light fits the sun.
-    let says_utc = options.zone_hours == Some(0.0);
+    let says_utc = options.zone == Some(ClockZone::Hours(0.0));
     let is_known = moved_min != 0.0 || station.zone_is_certain || says_utc;
     let fits = report.closure.is_some_and(|closure| closure.holds());
     if ahead.abs() > FARTHEST_CLOCK_HOURS && !is_known && !fits {
@@ -105,8 +129,12 @@ pub fn judged(path: &Path, raw: RawWeather, options: &WeatherOptions, scene: Sce
     for (line, sentence) in report.findings.sentences() {
         report.warnings.push(format!("{}, line {line} and on: {sentence}", path.display()));
     }
-    if let Some(sentence) = report.closure.and_then(|c| c.warning(&site, moved_min, station.zone_is_certain)) {
-        report.warnings.push(format!("{}: {sentence}", path.display()));
+    match report.closure.and_then(|c| c.warning(&site, moved_min, station.zone_is_certain)) {
+        Some(sentence) => report.warnings.push(format!("{}: {sentence}", path.display())),
+        None => {
+            let of_rows: Vec<&WeatherRow> = done.iter().map(|(row, _)| row).collect();
+            report.warnings.extend(month_warning(path, &rows, &of_rows));
+        }
     }
     let hours = rows.len() as f64 * step_min / 60.0;
     if hours < HOURS_OF_YEAR {
@@ -184,6 +212,9 @@ fn judged_row(raw: &RawRow, site: &Location) -> (WeatherRow, Vec<Finding>) {
             findings.push(Finding::AboveExtraterrestrial);
         }
     }
+    if dhi_w_m2 > 0.0 && dhi_w_m2 <= DARK_GHI_W_M2 && is_night(&raw.interval, site, sun.z) {
+        findings.push(Finding::NightOffset);
+    }
     // Where the file states DNI too, the closure finds a wrong clock.
     if raw.dni.is_none()
         && raw.ghi.is_some_and(|ghi| ghi > DARK_GHI_W_M2)
@@ -199,4 +230,11 @@ fn judged_row(raw: &RawRow, site: &Location) -> (WeatherRow, Vec<Finding>) {
         findings.push(Finding::DhiAboveGhi);
     }
     (row, findings)
+}
+
+/// Returns true if the sun stays below [`NIGHT_SINE`] in an interval, at whose middle its sine is
+/// `middle_z`.
+fn is_night(interval: &Interval, site: &Location, middle_z: f64) -> bool {
+    let below = |minutes: f64| site.sun(interval.date, minutes).z < NIGHT_SINE;
+    middle_z < NIGHT_SINE && below(interval.start_min) && below(interval.end_min)
 }

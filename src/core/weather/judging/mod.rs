@@ -6,5 +6,7 @@ mod gaps;
 mod judge;
 pub(super) mod raw_weather;
 pub(super) mod station;
+mod sums;
+mod zenith;
 
 pub(super) use judge::judged;

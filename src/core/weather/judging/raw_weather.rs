@@ -30,6 +30,9 @@ pub struct RawWeather {
     pub step_min: f64,
     /// Place in its interval where each row's time stamp was taken to stand.
     pub stamped_at: StampedAt,
+    /// `[row]`: zenith angle of the sun at its time stamp; empty if the file has no such column, or
+    /// if the place of stamps is known without it.
+    pub zenith_deg: Vec<Option<f64>>,
     /// Warnings of the reader, each a sentence that names the file.
     pub warnings: Vec<String>,
 }
@@ -60,6 +63,9 @@ impl RawRow {
         }
     }
 }
+
+/// Codes for a missing irradiance in tables that lie above those of thousands: -99, -99.9, -99.99.
+pub const MISSING_99: std::ops::RangeInclusive<f64> = -99.999..=-99.0;
 
 /// Reads GHI, DNI or DHI from a cell; `None` where the number is `missing`, an error where it is no
 /// irradiance. A number a little below 0 becomes 0 and sets `negative`.

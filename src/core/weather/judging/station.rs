@@ -39,12 +39,13 @@ impl Station {
         }
     }
 
-    /// Returns the place, where the user's statements override those of the file, and a sentence if
-    /// it is the place of the scene.
+    /// Returns the place and the standard time of `year`, where the user's statements override
+    /// those of the file, and a sentence if it is the place of the scene.
     pub fn location(
         &self,
         path: &Path,
         options: &WeatherOptions,
+        year: i32,
         scene: ScenePlace,
     ) -> Result<(Location, Option<String>)> {
         let mut latitude = options.latitude_deg.or(self.latitude_deg);
@@ -72,7 +73,7 @@ impl Station {
             let hint = "give {latitude} and {longitude} in degrees, north and east positive";
             return Err(Error::input(path, None, what, hint));
         };
-        let Some(zone) = options.zone_hours.or(self.zone_hours) else {
+        let Some(zone) = options.zone.map(|zone| zone.standard_hours(year)).or(self.zone_hours) else {
             let hint = format!(
                 "give {{time_zone}}, hours ahead of UTC in standard time, such as {{time_zone}} {:+03.0}:00, or {{time_zone}} UTC",
                 longitude / 15.0

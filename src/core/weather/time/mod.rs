@@ -3,6 +3,7 @@
 
 pub mod bins;
 pub mod calendar;
+pub mod clock_zone;
 pub mod sun;
 pub mod sun_path;
 pub mod utc_offset;

@@ -11,6 +11,7 @@ use heliotile_core::archive::Access;
 use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::options::WeatherOptions;
+use heliotile_core::weather::time::clock_zone::ClockZone;
 use heliotile_results::PageRequest;
 
 /// Text of `export --help` on images.
@@ -85,7 +86,7 @@ pub struct ExportArgs {
     /// Time zone of the weather file's clock, such as +01:00, -7 or UTC, in place of that of the
     /// file
     #[arg(long, value_name = "ZONE", requires = "weather", allow_hyphen_values = true, value_parser = parse_time_zone)]
-    pub time_zone: Option<f64>,
+    pub time_zone: Option<ClockZone>,
     /// Latitude, degrees, north positive, for which a .png shows the sun's paths; hours are mean
     /// solar time
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = parse_latitude)]
@@ -131,7 +132,7 @@ impl ExportArgs {
             patches: self.patches,
             bounces: self.bounces,
             weather: self.weather.clone(),
-            about_weather: WeatherOptions { zone_hours: self.time_zone, ..WeatherOptions::default() },
+            about_weather: WeatherOptions { zone: self.time_zone, ..WeatherOptions::default() },
             latitude_deg: self.latitude,
         }
     }

@@ -379,6 +379,12 @@ impl ReplayArgs {
         self.period.request(&self.weather, &self.common, &self.about_weather)
     }
 
+    /// Returns true if the hours of all receivers would go to standard output as text.
+    pub fn prints_hours(&self) -> bool {
+        let RecombineArgs { table, plot, .. } = &self.common;
+        self.period.every == Every::Hour && table.output == Path::new("-") && plot.is_empty() && self.honeybee.is_none()
+    }
+
     /// Returns the output files.
     pub fn files(&self) -> FileRequest {
         FileRequest { model: self.model.clone(), honeybee: self.honeybee.clone(), ..self.common.files() }

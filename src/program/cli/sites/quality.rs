@@ -10,7 +10,7 @@ use super::ClockArgs;
 use crate::cli::values::choice;
 use heliotile_builder::planning::{AccuracyRequest, PREVIEWS};
 use heliotile_builder::settings::Quality;
-use heliotile_builder::writing::guards::same_file;
+use heliotile_builder::writing::claim::same_place;
 use heliotile_core::weather::options::WeatherOptions;
 
 #[derive(Args, Debug)]
@@ -48,7 +48,7 @@ impl AccuracyArgs {
     /// or if the command reads no other.
     pub fn request_beside(&self, weather: Option<&Path>, clock: &ClockArgs) -> AccuracyRequest {
         let of_errors = self.error_weather.as_deref();
-        let is_same = |weather: &Path| of_errors.is_some_and(|of_errors| same_file(of_errors, weather));
+        let is_same = |weather: &Path| of_errors.is_some_and(|of_errors| same_place(of_errors, weather));
         let weather_options = match weather.is_none_or(is_same) {
             true => clock.options(false),
             false => WeatherOptions::default(),

@@ -47,6 +47,10 @@ pub struct FootprintArgs {
     /// the outline, 0 without terrain]
     #[arg(long, value_name = "COLUMN|METRES")]
     pub base: Option<HeightSource>,
+    /// Layer to read of a GeoPackage with several; may be given more than once [default: the layers
+    /// of buildings by their names, else all]
+    #[arg(long, value_name = "NAME")]
+    pub layer: Vec<String>,
 }
 
 impl FootprintArgs {
@@ -56,6 +60,7 @@ impl FootprintArgs {
             height: self.height.clone(),
             storey_height_m: self.storey_height.map(|length| length.0),
             base: self.base.clone(),
+            layer: self.layer.clone(),
         }
     }
 }

@@ -6,7 +6,8 @@ use clap::{ArgGroup, Args};
 
 use super::{parse_latitude, parse_longitude};
 use crate::cli::values::choice;
-use heliotile_core::weather::options::{DateOrder, StampedAt, TimeShift, WeatherOptions, parse_zone};
+use heliotile_core::weather::options::{DateOrder, StampedAt, TimeShift, WeatherOptions};
+use heliotile_core::weather::time::clock_zone::ClockZone;
 
 /// Place and clock of a weather file, for commands that know no scene.
 #[derive(Args, Clone, Debug)]
@@ -28,11 +29,11 @@ pub struct WeatherArgs {
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "About the weather file")]
 pub struct ClockArgs {
-    /// Time zone of the weather file's clock, hours ahead of UTC, such as +01:00, -7 or UTC, in
-    /// place of that of the file. If its time stamps state an offset, the zone of days and labels
-    /// in results
+    /// Time zone of the weather file's clock, in place of that of the file: hours ahead of UTC,
+    /// such as +01:00, -7 or UTC, or a name, such as Europe/Amsterdam, with its summer time. If its
+    /// time stamps state an offset, the zone of days and labels in results
     #[arg(long, value_name = "ZONE", allow_hyphen_values = true, value_parser = parse_time_zone)]
-    pub time_zone: Option<f64>,
+    pub time_zone: Option<ClockZone>,
     /// Shift of the weather file's time stamps, such as 41min, -30min or 0.5h; `auto` chooses the
     /// shift under which GHI, DNI and DHI agree best, if they agree clearly better
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
@@ -59,7 +60,7 @@ impl ClockArgs {
     /// Returns the options for the reader of weather files.
     pub fn options(&self, with_air: bool) -> WeatherOptions {
         WeatherOptions {
-            zone_hours: self.time_zone,
+            zone: self.time_zone,
             shift: self.shift.unwrap_or_default(),
             stamped_at: self.weather_stamp,
             date_order: self.date_order,
@@ -73,7 +74,7 @@ impl ClockArgs {
 impl fmt::Display for ClockArgs {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(zone) = self.time_zone {
-            write!(f, " --time-zone {zone}")?;
+            write!(f, " --time-zone {}", zone.option())?;
         }
         match self.shift {
             Some(TimeShift::Auto) => write!(f, " --shift auto")?,
@@ -90,8 +91,9 @@ impl fmt::Display for ClockArgs {
     }
 }
 
-pub fn parse_time_zone(text: &str) -> Result<f64, String> {
-    parse_zone(text).ok_or_else(|| "give hours ahead of UTC, -12 to 14, such as +01:00, -7, 5.5 or UTC".into())
+pub fn parse_time_zone(text: &str) -> Result<ClockZone, String> {
+    let hint = "give hours ahead of UTC, -12 to 14, such as +01:00, -7, 5.5 or UTC, or a name such as Europe/Amsterdam";
+    text.parse().map_err(|_| hint.into())
 }
 
 /// Returns the group of the options of [`ClockArgs`] for commands that need no weather: they

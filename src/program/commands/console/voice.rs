@@ -34,7 +34,7 @@ pub fn is_quiet() -> bool {
 
 /// Writes a result to standard output; a reader that has closed it is no error.
 pub fn say(text: &str) -> Result<()> {
-    match std::io::stdout().lock().write_all(text.as_bytes()) {
+    match std::io::stdout().lock().write_all(visible(text).as_bytes()) {
         Err(e) if e.kind() != ErrorKind::BrokenPipe => Err(Error::io(Path::new("standard output"), "write to")(e)),
         _ => Ok(()),
     }
@@ -67,7 +67,14 @@ pub fn warn(text: &str) {
 
 /// Writes to standard error; a closed one must not end the work.
 pub fn aside(text: &str) {
-    let _ = std::io::stderr().lock().write_all(text.as_bytes());
+    let _ = std::io::stderr().lock().write_all(visible(text).as_bytes());
+}
+
+/// Returns a text without control characters but ends of lines and tabs: names come from files of
+/// strangers, and a terminal would obey their escape sequences.
+fn visible(text: &str) -> Cow<'_, str> {
+    let is_hidden = |c: char| c.is_control() && c != '\n' && c != '\t';
+    if text.contains(is_hidden) { text.replace(is_hidden, "\u{fffd}").into() } else { text.into() }
 }
 
 /// Returns the first line of a warning, or with `verbose` all of it.
@@ -82,6 +89,17 @@ fn shortened(text: &str, verbose: bool) -> Cow<'_, str> {
 mod tests {
     use super::*;
     use heliotile_core::text::with_list;
+
+    /// Of a text with 9 control characters all but the tab and the end of its line are replaced.
+    #[test]
+    fn control_characters_do_not_reach_the_terminal() {
+        let text = "\u{1b}]0;title\u{7}\u{1b}[2J\u{9b}31m\ta\r\u{7f}\0\n";
+        assert_eq!(text.chars().filter(|c| c.is_control()).count(), 9);
+        let shown = visible(text);
+        assert_eq!(shown.chars().filter(|c| c.is_control()).collect::<String>(), "\t\n");
+        assert_eq!(shown.matches('\u{fffd}').count(), 7);
+        assert_eq!(visible("a\tb\n"), "a\tb\n");
+    }
 
     /// A warning with a list of 3 is printed as its first line, with a hint how to see the list; a
     /// short one stays as it is.

@@ -4,9 +4,11 @@
 
 mod kind;
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 use crate::cli::{Command, RecombineArgs, SceneArgs, StudyCommand, TableArgs, YearArgs};
+use heliotile_builder::writing::claim::{Output, OutputGuard};
 use heliotile_builder::writing::copy::folder_of;
 use heliotile_builder::writing::guards::check_archive_name;
 use heliotile_core::error::{Error, Result};
@@ -16,7 +18,8 @@ use heliotile_remote::places::require_file;
 use heliotile_results::covering::check_name;
 use heliotile_results::outputs::city_model::is_city_model;
 use heliotile_results::outputs::results::ResultFormat;
-use heliotile_results::outputs::tables::format::Format;
+use heliotile_results::outputs::tables::format::{Format, files_of};
+use heliotile_results::run::folder_beside;
 use heliotile_scene::input;
 use kind::Wanted;
 
@@ -33,11 +36,15 @@ enum Written {
     Csv,
     /// Any other file, whose command checks the extension.
     File,
-    Folder,
+    /// A folder of one run, with the names of tables that it writes there.
+    Folder(&'static [&'static str]),
+    /// A folder that several runs may write into.
+    SharedFolder,
 }
 
-/// Refuses a command line whose files cannot work.
-pub fn check(command: &Command) -> Result<()> {
+/// Refuses a command line whose files cannot work, and claims its outputs: until the guard is
+/// dropped, no other run writes them, and no file replaces an input.
+pub fn check(command: &Command) -> Result<OutputGuard> {
     let mut files = Files::default();
     files.collect(command);
     files.outputs.iter().try_for_each(|(path, written)| check_output(path, written))?;
@@ -49,14 +56,31 @@ pub fn check(command: &Command) -> Result<()> {
             input::check(path)?;
             wanted.check(path)
         }
-    })
+    })?;
+    let inputs: Vec<&Path> = files.inputs.iter().map(|(path, _)| *path).filter(|path| !is_address(path)).collect();
+    let outputs: Vec<Output> = files.outputs.iter().filter_map(|(path, written)| output_of(path, written)).collect();
+    OutputGuard::new(&inputs, &outputs)
+}
+
+/// Returns an output with all files that it consists of; `None` for standard output.
+fn output_of(path: &Path, written: &Written) -> Option<Output> {
+    match written {
+        Written::Archive => Some(Output::archive(path)),
+        Written::Folder(names) => Some(Output::folder(path, names)),
+        Written::SharedFolder => Some(Output::shared(path)),
+        _ if path == Path::new("-") => None,
+        Written::Table | Written::Results { .. } | Written::Csv => {
+            Some(Output::file(path, files_of(path).into_iter().skip(1).collect()))
+        }
+        Written::File => Some(Output::file(path, Vec::new())),
+    }
 }
 
 /// Files that a command line names.
 #[derive(Default)]
 struct Files<'a> {
     inputs: Vec<(&'a Path, Wanted)>,
-    outputs: Vec<(&'a Path, Written)>,
+    outputs: Vec<(Cow<'a, Path>, Written)>,
 }
 
 impl<'a> Files<'a> {
@@ -68,7 +92,9 @@ impl<'a> Files<'a> {
                 self.read_if(&args.receivers, Wanted::Receivers);
                 self.read_if(&args.accuracy.error_weather, Wanted::Weather);
                 self.read_if(&args.from, Wanted::Archive);
-                self.write_if(&args.output, Written::Folder);
+                let folder = || folder_beside(args.scene.first(), "sun").into();
+                let folder = args.output.as_deref().map_or_else(folder, Cow::Borrowed);
+                self.outputs.push((folder, Written::Folder(&["receivers.csv"])));
             }
             Command::Pv(args) => {
                 self.scene(&args.scene);
@@ -76,7 +102,7 @@ impl<'a> Files<'a> {
                 self.read_if(&args.points, Wanted::Other);
                 self.read_if(&args.rows, Wanted::Other);
                 self.read_if(&args.accuracy.error_weather, Wanted::Weather);
-                self.write(&args.output, Written::Folder);
+                self.write(&args.output, Written::Folder(&[]));
             }
             Command::Energyplus(args) => {
                 self.read(&args.model, Wanted::Scene);
@@ -84,7 +110,7 @@ impl<'a> Files<'a> {
                 self.read_if(&args.surfaces.materials, Wanted::Other);
                 self.read_if(&args.weather, Wanted::Weather);
                 self.read_if(&args.accuracy.error_weather, Wanted::Weather);
-                self.write(&args.output, Written::Folder);
+                self.write(&args.output, Written::Folder(&[]));
             }
             Command::Receivers(args) => {
                 self.scene(&args.scene);
@@ -102,7 +128,7 @@ impl<'a> Files<'a> {
                 self.read_if(&args.accuracy.error_weather, Wanted::Weather);
                 self.read_if(&args.weather, Wanted::Weather);
                 self.write_if(&args.output, Written::Archive);
-                self.write_if(&args.store, Written::Folder);
+                self.write_if(&args.store, Written::SharedFolder);
             }
             Command::Update(args) => {
                 self.read(&args.before, Wanted::Archive);
@@ -112,7 +138,7 @@ impl<'a> Files<'a> {
             }
             Command::Partition(args) => {
                 self.scene(&args.scene);
-                self.write(&args.output, Written::Folder);
+                self.write(&args.output, Written::Folder(&[]));
             }
             Command::Plan(args) => {
                 self.scene(&args.scene);
@@ -124,7 +150,7 @@ impl<'a> Files<'a> {
                 self.scene(&args.scene);
                 self.read(&args.receivers, Wanted::Receivers);
                 self.read_if(&args.weather, Wanted::Weather);
-                self.write(&args.output, Written::Folder);
+                self.write(&args.output, Written::Folder(&["tradeoff.csv"]));
             }
             Command::Query(args) => {
                 self.recombined(&args.common);
@@ -136,7 +162,7 @@ impl<'a> Files<'a> {
                 let temperatures = args.period.temperature.iter().filter_map(Temperature::file);
                 self.inputs.extend(temperatures.map(|table| (table, Wanted::Other)));
                 self.read_if(&args.model, Wanted::Other);
-                self.write_if(&args.honeybee, Written::Folder);
+                self.write_if(&args.honeybee, Written::Folder(&[]));
             }
             Command::Compare(args) => {
                 self.recombined(&args.common);
@@ -203,7 +229,7 @@ impl<'a> Files<'a> {
                 self.scene(&args.scene);
                 self.read_if(&args.weather, Wanted::Weather);
                 self.read_if(&args.conditions, Wanted::Conditions);
-                self.write_if(&args.output, Written::Folder);
+                self.write_if(&args.output, Written::Folder(&["audit.csv"]));
             }
             Command::Extract(args) => {
                 self.read(&args.archive, Wanted::Archive);
@@ -221,7 +247,8 @@ impl<'a> Files<'a> {
             }
             Command::Copy(args) => {
                 self.inputs.extend(Some((args.from.as_path(), Wanted::Other)).filter(|from| !is_address(from.0)));
-                self.outputs.extend(Some((args.to.as_path(), Written::File)).filter(|to| !is_address(to.0)));
+                self.outputs
+                    .extend(Some((Cow::Borrowed(args.to.as_path()), Written::File)).filter(|to| !is_address(&to.0)));
             }
             Command::View(args) => {
                 self.read(&args.archive, Wanted::Archive);
@@ -234,9 +261,9 @@ impl<'a> Files<'a> {
                 self.write(args.output(), written);
             }
             Command::Study(args) => match &args.command {
-                StudyCommand::Wall(args) => self.write(&args.output, Written::Folder),
+                StudyCommand::Wall(args) => self.write(&args.output, Written::Folder(&[])),
             },
-            Command::Man(args) => self.write(&args.output, Written::Folder),
+            Command::Man(args) => self.write(&args.output, Written::Folder(&[])),
             Command::Catalogue(args) => self.read(&args.atlas, Wanted::Other),
             // An atlas is recognised when it is read.
             Command::Find(_) | Command::Store(_) | Command::Completions(_) | Command::Rules(_) => {}
@@ -274,7 +301,7 @@ impl<'a> Files<'a> {
     }
 
     fn write(&mut self, path: &'a Path, written: Written) {
-        self.outputs.push((path, written));
+        self.outputs.push((path.into(), written));
     }
 
     fn year(&mut self, args: &'a YearArgs) {
@@ -283,12 +310,12 @@ impl<'a> Files<'a> {
     }
 
     fn write_if(&mut self, path: &'a Option<PathBuf>, written: Written) {
-        self.outputs.extend(path.as_deref().map(|path| (path, written)));
+        self.outputs.extend(path.as_deref().map(|path| (path.into(), written)));
     }
 }
 
 fn check_output(path: &Path, written: &Written) -> Result<()> {
-    if path == Path::new("-") && !matches!(written, Written::Archive | Written::Folder) {
+    if path == Path::new("-") && !matches!(written, Written::Archive | Written::Folder(_) | Written::SharedFolder) {
         return Ok(());
     }
     if is_address(path) {
@@ -302,7 +329,7 @@ fn check_output(path: &Path, written: &Written) -> Result<()> {
         Written::Results { .. } if is_city_model(path) => {}
         Written::Results { geo } => drop(ResultFormat::of(path, *geo)?),
         Written::Csv => check_name(path)?,
-        Written::Folder if FILES.contains(&ending(path).as_str()) && !path.is_dir() => {
+        Written::Folder(_) | Written::SharedFolder if FILES.contains(&ending(path).as_str()) && !path.is_dir() => {
             let what = "has the ending of a file, and the output is a folder of several files";
             return Err(Error::input(
                 path,
@@ -311,12 +338,12 @@ fn check_output(path: &Path, written: &Written) -> Result<()> {
                 format!("give a folder: -o {}", path.with_extension("").display()),
             ));
         }
-        Written::Folder if path.exists() && !path.is_dir() => {
+        Written::Folder(_) | Written::SharedFolder if path.exists() && !path.is_dir() => {
             let what = "is an existing file, and the output is a folder";
             return Err(Error::input(path, None, what, "give the folder another name"));
         }
         // The folder is made together with its parents.
-        Written::Folder => return Ok(()),
+        Written::Folder(_) | Written::SharedFolder => return Ok(()),
         Written::File => {}
     }
     let folder = folder_of(path);

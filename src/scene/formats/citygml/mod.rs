@@ -43,6 +43,7 @@ mod store;
 mod tests;
 mod xml;
 
+use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::io::Read;
 use std::path::Path;
@@ -55,17 +56,29 @@ use crate::geometry::Geometry;
 use crate::input;
 use coordinates::Coordinates;
 use heliotile_core::error::Result;
+use heliotile_core::text::with_list;
 use levels::Levels;
 use library::Library;
 use scan::{Draft, MEND, Scan};
 use xml::Xml;
 
 /// Endings of CityGML file names.
-pub(super) const ENDINGS: [&str; 2] = ["gml", "xml"];
+pub(super) const ENDINGS: [&str; 3] = ["gml", "citygml", "xml"];
 
 /// Reads a city model.
 pub(super) fn read(path: &Path, asked: &Asked) -> Result<Geometry> {
-    read_all(path, asked, &|take| input::members::each(path, &ENDINGS, take))
+    let left_out = RefCell::new(Vec::new());
+    let mut geometry = read_all(path, asked, &|take| {
+        let found = input::members::each(path, &ENDINGS, &asked.footprints.layer, take)?;
+        *left_out.borrow_mut() = found;
+        Ok(())
+    })?;
+    let left_out = left_out.into_inner();
+    if !left_out.is_empty() {
+        let sentence = "themes of the zip that are no buildings and are left out, which {layer} NAME reads instead";
+        geometry.doubts.push(with_list(sentence, left_out.into_iter()));
+    }
+    Ok(geometry)
 }
 
 /// Function that reads the bytes of a file.

@@ -117,7 +117,17 @@ fn is_collection(name: &str) -> bool {
 
 fn other_root(root: &Element, file: &Path) -> Error {
     let (what, hint) = match root.name.as_str() {
-        "gbXML" => ("the file is gbXML, not CityGML".to_owned(), "convert the model to EnergyPlus or Honeybee"),
+        "gbXML" => (
+            "the file is gbXML, not CityGML".to_owned(),
+            "convert it to Honeybee: `honeybee-energy translate model-from-gbxml model.xml -f model.hbjson`, and give model.hbjson",
+        ),
+        "LandXML" => {
+            ("the file is LandXML, not CityGML".to_owned(), "export the terrain as GeoTIFF, or its triangles as OBJ")
+        }
+        "IndoorFeatures" => (
+            "the file is IndoorGML, which holds rooms, not CityGML".to_owned(),
+            "give the outside of the buildings as CityGML or CityJSON",
+        ),
         "kml" => ("the file is KML, not CityGML".to_owned(), "export the city model as CityGML or CityJSON"),
         name => (
             format!("the root element is `{}`, so the file is not CityGML", excerpt(name.as_bytes())),

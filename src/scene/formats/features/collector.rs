@@ -14,9 +14,9 @@ use super::hstore;
 use super::system::{FeatureSystem, Placing};
 use crate::attributes::{flat, text_of};
 use crate::coordinate::{MAX_COORDINATE_M, is_position};
-use crate::footprint::Footprint;
-use crate::footprints::region::{is_crossed, oriented, repaired};
-use crate::footprints::stated::{NO_HEIGHT, Stated};
+use crate::footprint::{Footprint, StatedHeights};
+use crate::footprints::region::{is_crossed, oriented, repaired, united};
+use crate::footprints::stated::{Heights, NO_HEIGHT, Stated};
 use crate::formats::Asked;
 use crate::geometry::Geometry;
 use crate::semantics::FaceNote;
@@ -25,6 +25,11 @@ use crate::semantics::FaceNote;
 const LEVEL_M: f64 = 0.01;
 /// Fewest faces of a body: a tetrahedron has four.
 const LEAST_FACES: usize = 4;
+
+/// Share of a face's area in plan below which it is upright.
+const UPRIGHT: f64 = 0.02;
+/// Reason for leaving out features of OpenStreetMap that are no buildings.
+const NO_KEY: &str = "as no buildings: others have a key `building`, they have none";
 
 /// Material of faces until their tilt decides what they are.
 const FACE: &str = "WallSurface";
@@ -41,6 +46,19 @@ pub(super) struct Collector<'a> {
     /// Names of the footprints that were repaired.
     mended: Vec<String>,
     has_heights: bool,
+    /// Heights and true for a key `building`, for each footprint.
+    stated: Vec<(Heights, bool)>,
+    /// True if a feature has a key `building`.
+    has_building_key: bool,
+    /// Number of features without a height that have no key `building`.
+    without_key: usize,
+    /// Number of features that cannot be read, and what is wrong with the first.
+    unreadable: usize,
+    first_unreadable: Option<String>,
+    /// Names of the footprints whose polygons overlapped.
+    united: Vec<String>,
+    /// Sentences on the file, from its reader.
+    doubts: Vec<String>,
 }
 
 impl<'a> Collector<'a> {
@@ -54,6 +72,13 @@ impl<'a> Collector<'a> {
             features: 0,
             mended: Vec::new(),
             has_heights: false,
+            stated: Vec::new(),
+            has_building_key: false,
+            without_key: 0,
+            unreadable: 0,
+            first_unreadable: None,
+            united: Vec::new(),
+            doubts: Vec::new(),
         }
     }
 
@@ -61,6 +86,10 @@ impl<'a> Collector<'a> {
     pub(super) fn add(&mut self, mut feature: Feature) -> Result<()> {
         self.features += 1;
         hstore::unfold(&mut feature.attributes);
+        if let Some(what) = feature.unreadable.take() {
+            self.leave_unread(format!("feature {}: {what}", self.features));
+            return Ok(());
+        }
         if feature.polygons.is_empty() {
             let reason =
                 if feature.has_others { "as points or lines, which shade nothing" } else { "without a geometry" };
@@ -69,8 +98,9 @@ impl<'a> Collector<'a> {
         }
         let corners = || feature.polygons.iter().flatten().flatten();
         if let Some(bad) = corners().find(|p| !p.is_finite() || p.abs().max_element() > MAX_COORDINATE_M) {
-            let what = format!("feature {} has a corner at {bad}", self.features);
-            return Err(Error::input(self.file, None, what, "coordinates are degrees or metres, at most 1e9 in size"));
+            let what = format!("feature {} has a corner at {bad}, not degrees or metres of at most 1e9", self.features);
+            self.leave_unread(what);
+            return Ok(());
         }
         let attributes = flat(&feature.attributes);
         let stated = Stated::new(&attributes, &self.asked.footprints);
@@ -78,10 +108,11 @@ impl<'a> Collector<'a> {
             self.geometry.leave_out(reason);
             return Ok(());
         }
+        let has_key = stated.has_building_key();
+        self.has_building_key |= has_key;
         let id = feature.id.take().filter(|id| !id.trim().is_empty()).or_else(|| stated.id());
         let name = self.name(id);
-        // With a stated height, corners at several heights are a footprint on sloping ground.
-        if feature.is_body || (stated.heights().is_err() && are_faces(&feature.polygons)) {
+        if feature.is_body || are_faces(&feature.polygons) {
             let object = self.geometry.objects.id(&name);
             let note = ObjectNote {
                 building: stated.whole().unwrap_or(name),
@@ -95,6 +126,10 @@ impl<'a> Collector<'a> {
         self.has_heights |= corners().any(|corner| corner.z != 0.0);
         let heights = match stated.heights() {
             Ok(heights) => heights,
+            Err(NO_HEIGHT) if !has_key => {
+                self.without_key += 1;
+                return Ok(());
+            }
             Err(reason) => {
                 self.geometry.leave_out(reason);
                 return Ok(());
@@ -111,16 +146,24 @@ impl<'a> Collector<'a> {
         if polygons.is_empty() {
             return Ok(());
         }
+        self.stated.push((heights, has_key));
         self.geometry.footprints.push(Footprint {
             building: stated.whole().unwrap_or_default(),
             is_part: stated.is_part(),
             name,
             number: self.features,
             polygons,
-            heights,
+            // Their unit is known at the end of the file.
+            heights: StatedHeights { roof_m: 0.0, foot_m: 0.0, base_m: None, has_walls: true },
             attributes: text_of(attributes),
         });
         Ok(())
+    }
+
+    /// Leaves out a feature that cannot be read; the others are read.
+    fn leave_unread(&mut self, what: String) {
+        self.unreadable += 1;
+        self.first_unreadable.get_or_insert(what);
     }
 
     /// Returns a name that no other feature of the file has.
@@ -160,6 +203,8 @@ impl<'a> Collector<'a> {
 
     /// Returns the geometry in metres.
     pub(super) fn finish(mut self, system: FeatureSystem) -> Result<Geometry> {
+        self.doubts.extend(system.doubts.iter().cloned());
+        self.settle_heights(&system);
         self.refuse_nothing()?;
         // The extent of all coordinates helps to tell degrees from metres.
         let outlines = self.geometry.footprints.iter().flat_map(Footprint::rings).flatten().copied();
@@ -189,12 +234,49 @@ impl<'a> Collector<'a> {
         Ok(self.geometry)
     }
 
-    /// Repairs outlines that cross themselves.
+    /// Sets the heights of footprints in metres, and leaves out what is no building.
+    fn settle_heights(&mut self, system: &FeatureSystem) {
+        let stated = std::mem::take(&mut self.stated);
+        let left = if self.has_building_key { NO_KEY } else { NO_HEIGHT };
+        (0..self.without_key).for_each(|_| self.geometry.leave_out(left));
+        let unit_m = system.plane_unit_m().unwrap_or(1.0);
+        let mut in_feet = 0;
+        let mut kept = Vec::new();
+        for (mut footprint, (heights, has_key)) in std::mem::take(&mut self.geometry.footprints).into_iter().zip(stated)
+        {
+            if self.has_building_key && !has_key {
+                self.geometry.leave_out(NO_KEY);
+                continue;
+            }
+            match heights.in_metres(unit_m) {
+                Ok(heights) => footprint.heights = heights,
+                Err(reason) => {
+                    self.geometry.leave_out(reason);
+                    continue;
+                }
+            }
+            in_feet += usize::from(heights.lacks_unit() && unit_m != 1.0);
+            kept.push(footprint);
+        }
+        self.geometry.footprints = kept;
+        if in_feet > 0 {
+            self.doubts.push(format!(
+                "heights of {in_feet} features have no unit: they are read in the unit of the coordinates, {unit_m:.4} m; \
+                 for metres, name the column with its unit: {{height}} height[m]"
+            ));
+        }
+    }
+
+    /// Repairs outlines that cross themselves, and unites polygons of one feature that overlap.
     fn mend(&mut self) {
         for footprint in &mut self.geometry.footprints {
             if footprint.polygons.iter().any(|polygon| is_crossed(polygon)) {
                 footprint.polygons = footprint.polygons.iter().flat_map(|polygon| repaired(polygon)).collect();
                 self.mended.push(footprint.name.clone());
+            }
+            if let Some(whole) = united(&footprint.polygons) {
+                footprint.polygons = whole;
+                self.united.push(footprint.name.clone());
             }
         }
         let before = self.geometry.footprints.len();
@@ -211,6 +293,15 @@ impl<'a> Collector<'a> {
             );
             self.geometry.doubts.push(with_list(&sentence, self.mended.drain(..)));
         }
+        if !self.united.is_empty() {
+            let sentence =
+                format!("{} features have polygons that overlap: the shared area counts once", self.united.len());
+            self.geometry.doubts.push(with_list(&sentence, self.united.drain(..)));
+        }
+        if let Some(first) = &self.first_unreadable {
+            self.geometry.doubts.push(format!("{} features cannot be read and are left out: {first}", self.unreadable));
+        }
+        self.geometry.doubts.append(&mut self.doubts);
         if let Some(count) = self.geometry.left_out.remove(NO_HEIGHT) {
             self.geometry.doubts.push(format!(
                 "{count} of {} features state neither a height nor storeys and are left out: {{height}} height,9m gives them 9 m",
@@ -225,7 +316,7 @@ impl<'a> Collector<'a> {
     }
 
     /// Refuses a file of which nothing is left.
-    fn refuse_nothing(&self) -> Result<()> {
+    fn refuse_nothing(&mut self) -> Result<()> {
         if !self.geometry.footprints.is_empty() || self.geometry.face_count() > 0 {
             return Ok(());
         }
@@ -233,8 +324,15 @@ impl<'a> Collector<'a> {
         if self.features == 0 {
             return refuse("the file holds no features".to_owned(), "export outlines of buildings with their heights");
         }
-        let reasons: Vec<String> =
+        if let Some(first) = self.first_unreadable.take().filter(|_| self.unreadable == self.features) {
+            return refuse(first, "export the features again, as polygons with straight sides");
+        }
+        let mut reasons: Vec<String> =
             self.geometry.left_out.iter().map(|(reason, count)| format!("{count} {reason}")).collect();
+        if self.unreadable > 0 {
+            reasons.push(format!("{} that cannot be read", self.unreadable));
+        }
+        reasons.append(&mut self.doubts);
         let what =
             format!("none of its {} features became a building; left out: {}", self.features, reasons.join(", "));
         match self.geometry.left_out.contains_key(NO_HEIGHT) {
@@ -255,13 +353,42 @@ fn opened(ring: &[DVec3]) -> &[DVec3] {
     }
 }
 
-/// Returns true if polygons are the faces of a body: at least four, of which one is not level. A
-/// single outline with the heights of the ground at its corners is no body.
+/// Returns true if polygons are the faces of a body: one is upright, or at least four, of which one
+/// is not level, meet along their sides. Outlines with the heights of the ground at their corners
+/// are no body.
 fn are_faces(polygons: &[FeaturePolygon]) -> bool {
     let rises = |polygon: &FeaturePolygon| {
         let heights = polygon.iter().flatten().map(|corner| corner.z);
         let [low, high] = heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], z| [low.min(z), high.max(z)]);
         high - low > LEVEL_M
     };
-    polygons.len() >= LEAST_FACES && polygons.iter().any(rises)
+    if polygons.len() < LEAST_FACES || !polygons.iter().any(rises) {
+        return false;
+    }
+    let is_upright = |polygon: &FeaturePolygon| {
+        let normal = polygon.first().map_or(DVec3::ZERO, |ring| normal(ring));
+        normal.z.abs() < UPRIGHT * normal.length()
+    };
+    polygons.iter().any(is_upright) || shared_sides(polygons) + 1 >= polygons.len()
+}
+
+/// Returns the normal of a ring, with its area twice as length (Newell).
+fn normal(ring: &[DVec3]) -> DVec3 {
+    let from = ring.first().copied().unwrap_or_default();
+    ring.array_windows::<2>().map(|[a, b]| (*a - from).cross(*b - from)).sum()
+}
+
+/// Returns the number of sides that two faces share, by the positions of both ends.
+fn shared_sides(polygons: &[FeaturePolygon]) -> usize {
+    let key = |corner: &DVec3| corner.to_array().map(f64::to_bits);
+    let mut seen: HashSet<[[u64; 3]; 2]> = HashSet::new();
+    let sides = polygons.iter().flatten().flat_map(|ring| ring.array_windows::<2>());
+    sides
+        .filter(|[a, b]| a != b)
+        .filter(|[a, b]| {
+            let mut side = [key(a), key(b)];
+            side.sort_unstable();
+            !seen.insert(side)
+        })
+        .count()
 }

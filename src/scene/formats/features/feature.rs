@@ -21,6 +21,8 @@ pub(super) struct Feature {
     pub is_body: bool,
     /// True if the feature has points or lines.
     pub has_others: bool,
+    /// Reason why the geometry cannot be read, if it cannot.
+    pub unreadable: Option<String>,
 }
 
 /// A function that takes features one by one.

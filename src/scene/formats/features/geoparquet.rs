@@ -12,8 +12,9 @@ use parquet::record::{Field, Row};
 use serde_json::{Map, Value, json};
 
 use super::feature::{Feature, TakeFeature};
-use super::shapes::Shapes;
+use super::shapes::{Shapes, unreadable};
 use super::system::FeatureSystem;
+use crate::epsg_numbers::{Axes, epsg_numbers_in};
 use crate::text::excerpt;
 
 /// Deepest nesting of structures that is read: Overture has three.
@@ -22,6 +23,11 @@ const DEPTH: usize = 8;
 pub(super) fn read(bytes: Vec<u8>, file: &Path, take: &mut TakeFeature) -> Result<FeatureSystem> {
     let wrong = |error: ParquetError| {
         let text = error.to_string();
+        if let Some((_, codec)) = text.split_once("Disabled feature at compile time: ") {
+            let what = format!("its columns are packed with {}, which is not read", excerpt(codec.trim().as_bytes()));
+            let hint = "pack them with zstd or snappy, as geopandas does: `frame.to_parquet(\"town.parquet\", compression=\"zstd\")`";
+            return Error::input(file, None, what, hint);
+        }
         let what = format!("the file cannot be read as Parquet: {}", excerpt(text.as_bytes()));
         Error::input(file, None, what, "download or export the file again: it is damaged or cut off")
     };
@@ -40,11 +46,7 @@ pub(super) fn read(bytes: Vec<u8>, file: &Path, take: &mut TakeFeature) -> Resul
         return Err(Error::input(file, None, what, "write it with WKB, the usual encoding of GeoParquet"));
     }
     for row in reader.get_row_iter(None).map_err(wrong)? {
-        let feature = feature(&row.map_err(wrong)?, &column).map_err(|error| {
-            let what = format!("a geometry cannot be read: {}", excerpt(error.as_bytes()));
-            Error::input(file, None, what, "export the file again, with polygons of straight sides")
-        })?;
-        take(feature)?;
+        take(feature(&row.map_err(wrong)?, &column))?;
     }
     Ok(match about.get("crs") {
         // Longitude and latitude are the default (GeoParquet 1.1.0, "crs").
@@ -56,27 +58,100 @@ pub(super) fn read(bytes: Vec<u8>, file: &Path, take: &mut TakeFeature) -> Resul
             match (authority.and_then(Value::as_str), number.and_then(|number| u32::try_from(number).ok())) {
                 (Some("EPSG"), Some(epsg)) => FeatureSystem::of_epsg(epsg),
                 (Some("OGC"), _) => FeatureSystem::WGS84,
-                _ => FeatureSystem::default(),
+                _ => match crs.as_str() {
+                    Some(text) => of_text(text),
+                    None => of_projjson(crs),
+                },
             }
         }
     })
 }
 
-fn feature(row: &Row, column: &str) -> std::result::Result<Feature, String> {
+/// Returns the system of a text: well-known text, `EPSG:25832`, `OGC:CRS84`.
+fn of_text(text: &str) -> FeatureSystem {
+    if text.trim_start().starts_with('{') {
+        return serde_json::from_str(text).map_or_else(|_| FeatureSystem::default(), |crs| of_projjson(&crs));
+    }
+    match epsg_numbers_in(text).first().filter(|_| !text.contains('[')) {
+        Some(epsg) => FeatureSystem::of_epsg(*epsg),
+        None if text.to_uppercase().contains("CRS84") => FeatureSystem::WGS84,
+        None => FeatureSystem::of_text(text),
+    }
+}
+
+/// Returns the system of PROJJSON (PROJ, "PROJJSON", schema 0.7), by its identifier, else by its
+/// projection, written as well-known text.
+fn of_projjson(crs: &Value) -> FeatureSystem {
+    let code = |of: &Value| {
+        let is_epsg = of.pointer("/id/authority").and_then(Value::as_str) == Some("EPSG");
+        of.pointer("/id/code").filter(|_| is_epsg).and_then(Value::as_u64).and_then(|code| u32::try_from(code).ok())
+    };
+    match crs.get("type").and_then(Value::as_str) {
+        _ if code(crs).is_some() => code(crs).map(FeatureSystem::of_epsg).unwrap_or_default(),
+        Some("CompoundCRS") => crs.pointer("/components/0").map(of_projjson).unwrap_or_default(),
+        Some("BoundCRS") => crs.get("source_crs").map(of_projjson).unwrap_or_default(),
+        Some("GeographicCRS" | "GeodeticCRS") => {
+            FeatureSystem { axes: Some(Axes::Degrees), ..FeatureSystem::default() }
+        }
+        Some("ProjectedCRS") => {
+            let found = FeatureSystem::of_text(&well_known(crs));
+            let unit = crs.pointer("/coordinate_system/axis/0/unit");
+            let unit_m = unit.and_then(|unit| unit.get("conversion_factor").and_then(Value::as_f64));
+            FeatureSystem { axes: Some(Axes::Plane), unit_m: unit_m.or(found.unit_m), ..found }
+        }
+        _ => FeatureSystem::default(),
+    }
+}
+
+/// Returns the projected system of PROJJSON as well-known text 1 (OGC 01-009).
+fn well_known(crs: &Value) -> String {
+    let name = |path: &str| {
+        let text = crs.pointer(path).and_then(Value::as_str).unwrap_or_default();
+        text.replace('"', "")
+    };
+    let number =
+        |path: &str| crs.pointer(path).and_then(|value| value.as_f64().or_else(|| value.get("value")?.as_f64()));
+    let ellipsoid = ["/base_crs/datum/ellipsoid", "/base_crs/datum_ensemble/ellipsoid"]
+        .into_iter()
+        .find(|path| crs.pointer(path).is_some())
+        .unwrap_or("/base_crs/datum/ellipsoid");
+    let semi_major = number(&format!("{ellipsoid}/semi_major_axis")).or_else(|| number(&format!("{ellipsoid}/radius")));
+    let flattening = number(&format!("{ellipsoid}/inverse_flattening")).unwrap_or_default();
+    let datum = ["/base_crs/datum/name", "/base_crs/datum_ensemble/name"].map(name).concat();
+    let base = name("/base_crs/name");
+    let unit_m = number("/coordinate_system/axis/0/unit/conversion_factor").unwrap_or(1.0);
+    let parameters = crs.pointer("/conversion/parameters").and_then(Value::as_array);
+    let parameters = parameters.into_iter().flatten().filter_map(|parameter| {
+        let called = parameter.get("name")?.as_str()?.replace('"', "");
+        Some(format!(",PARAMETER[\"{called}\",{}]", parameter.get("value")?.as_f64()?))
+    });
+    format!(
+        "PROJCS[\"{}\",GEOGCS[\"{base}\",DATUM[\"{datum}\",SPHEROID[\"{}\",{},{flattening}]]],PROJECTION[\"{}\"]{},UNIT[\"unit\",{unit_m}]]",
+        name("/name"),
+        name(&format!("{ellipsoid}/name")),
+        semi_major.unwrap_or_default(),
+        name("/conversion/method/name"),
+        parameters.collect::<String>(),
+    )
+}
+
+fn feature(row: &Row, column: &str) -> Feature {
     let mut feature = Feature::default();
     for (name, field) in row.get_column_iter() {
         match field {
             Field::Bytes(bytes) if name == column => {
                 let mut shapes = Shapes::default();
-                Wkb(bytes.data()).process_geom(&mut shapes).map_err(|error| error.to_string())?;
-                shapes.fill(&mut feature);
+                match Wkb(bytes.data()).process_geom(&mut shapes) {
+                    Ok(()) => shapes.fill(&mut feature),
+                    Err(error) => feature.unreadable = Some(unreadable(&error)),
+                }
             }
             // The box of the geometry says nothing new.
             _ if name == "bbox" => {}
             field => drop(feature.attributes.insert(name.clone(), value(field, DEPTH))),
         }
     }
-    Ok(feature)
+    feature
 }
 
 fn value(field: &Field, depth: usize) -> Value {

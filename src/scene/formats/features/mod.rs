@@ -8,17 +8,23 @@
 //! | `system` | coordinate systems of such files, and conversion to metres |
 //! | `collector` | footprints and faces from features |
 //! | `shapes` | polygons of well-known binary, as the crate `geozero` reads it |
+//! | `shape_index` | which shape of a shapefile belongs to which row of its table |
 //! | `hstore` | OpenStreetMap tags in one column |
+//! | `layers` | which layers of a file are read |
 //! | `geojson`, `shapefile`, `geopackage`, `geoparquet` | one reader each |
 //!
 //! Points and lines are left out, with a warning.
 
+#[cfg(test)]
+mod case_tests;
 mod collector;
 mod feature;
 mod geojson;
 mod geopackage;
 mod geoparquet;
 mod hstore;
+mod layers;
+mod shape_index;
 mod shapefile;
 mod shapes;
 mod system;
@@ -51,7 +57,7 @@ pub(super) fn parse(format: FeatureFormat, bytes: Vec<u8>, file: &Path, asked: &
     let mut take = |feature| collector.add(feature);
     let system = match format {
         FeatureFormat::GeoJson => geojson::read(&bytes, file, &mut take),
-        FeatureFormat::GeoPackage => geopackage::read(file, &mut take),
+        FeatureFormat::GeoPackage => geopackage::read(file, asked, &mut take),
         FeatureFormat::GeoParquet => geoparquet::read(bytes, file, &mut take),
         FeatureFormat::Shapefile => shapefile::read(bytes, file, &mut take),
     }?;

@@ -24,21 +24,37 @@ pub(super) struct FeatureSystem {
     pub axes: Option<Axes>,
     /// Unit of plane coordinates, metres, if the file states it.
     pub unit_m: Option<f64>,
+    /// Sentences on the file that its reader has for the user.
+    pub doubts: Vec<String>,
 }
+
+/// EPSG numbers and Esri's numbers of Web Mercator.
+const OTHER_WEB_MAPS: [u32; 4] = [900_913, 102_100, 102_113, 3785];
 
 impl FeatureSystem {
     /// Longitude and latitude on WGS 84.
-    pub(super) const WGS84: FeatureSystem = FeatureSystem { epsg: Some(4326), axes: Some(Axes::Degrees), unit_m: None };
+    pub(super) const WGS84: FeatureSystem =
+        FeatureSystem { epsg: Some(4326), axes: Some(Axes::Degrees), unit_m: None, doubts: Vec::new() };
 
     /// Returns the system of an EPSG number.
     pub(super) fn of_epsg(epsg: u32) -> FeatureSystem {
-        FeatureSystem { epsg: Some(epsg), axes: axes_of(epsg), unit_m: None }
+        let epsg = if OTHER_WEB_MAPS.contains(&epsg) { WEB_MAPS } else { epsg };
+        FeatureSystem { epsg: Some(epsg), axes: axes_of(epsg), ..FeatureSystem::default() }
     }
 
     /// Returns the system of well-known text; other text gives an unknown system.
     pub(super) fn of_text(text: &str) -> FeatureSystem {
         let found = TextSystem::of(text).unwrap_or_default();
-        FeatureSystem { epsg: found.epsg, axes: found.axes, unit_m: found.plane_unit_m }
+        let known = found.epsg.map(FeatureSystem::of_epsg).unwrap_or_default();
+        FeatureSystem { axes: known.axes.or(found.axes), unit_m: found.plane_unit_m, ..known }
+    }
+
+    /// Returns the unit of plane coordinates, metres; `None` for degrees and where it is unknown.
+    pub(super) fn plane_unit_m(&self) -> Option<f64> {
+        if self.axes == Some(Axes::Degrees) {
+            return None;
+        }
+        self.unit_m.or_else(|| Some(Reference::Epsg(self.epsg?).unit_m()))
     }
 }
 
@@ -114,7 +130,7 @@ impl Placing {
             let to_metres = ToMetres::Plane(Box::new(plane), Box::new(system));
             return Ok(Placing { to_metres, reference: Some(reference), in_metres: true, note: Some(note) });
         }
-        let unit_m = stated.unit_m.or_else(|| Some(Reference::Epsg(stated.epsg?).unit_m()));
+        let unit_m = stated.plane_unit_m();
         let reference = stated.epsg.map(Reference::Epsg);
         if reference.is_none() && like_degrees && (high - low).max_element() < 5.0 {
             let what = format!(

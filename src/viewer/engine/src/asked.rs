@@ -5,7 +5,8 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::Component;
 use heliotile_core::replay::reflectances::{self, ConstantOrFile};
 use heliotile_core::sky::model::SkyModel;
-use heliotile_core::weather::options::{DateOrder, StampedAt, WeatherOptions, parse_zone};
+use heliotile_core::weather::options::{DateOrder, StampedAt, WeatherOptions};
+use heliotile_core::weather::time::clock_zone::ClockZone;
 use serde::Deserialize;
 
 use crate::weather::LoadedWeather;
@@ -50,7 +51,8 @@ impl Clock {
     /// Returns the options for the reader of the file.
     pub fn options(&self) -> Result<WeatherOptions> {
         let zone = self.time_zone.as_deref().map(|text| {
-            parse_zone(text).ok_or_else(|| Error::argument("timeZone", format!("`{text}`"), "give hours ahead of UTC"))
+            let hint = "give hours ahead of UTC, or a name such as Europe/Amsterdam";
+            text.parse::<ClockZone>().map_err(|_| Error::argument("timeZone", format!("`{text}`"), hint))
         });
         let shift = self.shift.as_deref().map(|text| text.parse().map_err(|why| Error::argument("shift", why, "")));
         let stamp = self.stamp.as_deref().map(|text| {
@@ -64,7 +66,7 @@ impl Clock {
         });
         Ok(WeatherOptions {
             date_order: order.transpose()?,
-            zone_hours: zone.transpose()?,
+            zone: zone.transpose()?,
             shift: shift.transpose()?.unwrap_or_default(),
             stamped_at: stamp.transpose()?,
             ..WeatherOptions::default()

@@ -207,10 +207,13 @@ impl PeopleValues {
             }
             let Some((_, light)) = self.waiting.remove(&point) else { continue };
             let views = people.views(opened, point)?;
-            let hours = light.numbers(&views, &self.climates, self.ask.columns(), &self.model);
+            let mut hours = light.numbers(&views, &self.climates, self.ask.columns(), &self.model);
             let numbers = match &self.ask {
-                ComfortAsk::Moment { .. } => hours.iter().filter_map(|hours| hours.first().copied()).collect(),
-                ComfortAsk::Span { .. } => self.over(&hours),
+                ComfortAsk::Moment { .. } => hours.values.iter().filter_map(|hours| hours.first().copied()).collect(),
+                ComfortAsk::Span { .. } => {
+                    hours.bound();
+                    self.over(&hours.values)
+                }
             };
             if self.found.len() <= point {
                 self.found.resize(point + 1, None);

@@ -66,8 +66,8 @@ fn missing_light_is_computed_from_the_rest() {
         assert!(text.contains(part), "{text}");
     }
     let night = read(&row([2018, 6, 1, 3, 0], "12,9999,5")).expect("valid");
-    assert_eq!((night.rows[0].dni_w_m2, night.rows[0].dhi_w_m2), (0.0, 12.0));
-    assert_eq!(night.report.warnings.len(), 1, "that it is no year");
+    assert_eq!((night.rows[0].dni_w_m2, night.rows[0].dhi_w_m2), (0.0, 0.0));
+    assert_eq!(night.report.warnings.len(), 2, "that it is no year, and the offset at night");
     // A given DNI is kept, however low the sun.
     let sunrise = read(&row([2018, 6, 1, 5, 0], "9,20,9999")).expect("valid").rows[0];
     assert!(sunrise.dni_w_m2 == 20.0 && sunrise.dhi_w_m2 > 8.0 && sunrise.dhi_w_m2 < 9.0, "{sunrise:?}");
@@ -139,7 +139,7 @@ fn impossible_values_are_used_and_counted() {
     assert!(lit > 0.0 && lit < 0.1, "{lit}");
     let tally = w.report.findings.of(Finding::AboveExtraterrestrial);
     assert_eq!((tally.rows, tally.first_line), (2, 20));
-    assert!((tally.dni_kwh_m2 - 1.7).abs() < 1e-12);
+    assert!((tally.kwh_m2 - 1.7).abs() < 1e-12);
     assert_eq!((w.rows[11].dni_w_m2, last.dni_w_m2), (1400.0, 300.0));
     assert_eq!(w.report.findings.of(Finding::DhiAboveGhi).rows, 1);
 }
@@ -170,8 +170,8 @@ fn dni_in_the_polar_night_is_counted() {
     let w = file(&format!("{text}DATA PERIODS,1,1\n{rows}")).expect("valid");
     let lost = w.report.findings.of(Finding::BelowHorizon);
     assert_eq!(lost.hours, 24.0);
-    assert!((lost.dni_kwh_m2 - 0.24).abs() < 1e-12);
-    assert_eq!(w.report.warnings.len(), 2, "the cut and the lost energy");
+    assert!((lost.kwh_m2 - 0.24).abs() < 1e-12);
+    assert_eq!(w.report.warnings.len(), 3, "the cut, the lost energy and the offset at night");
     assert!(w.conditions(3).iter().all(|c| c.suns.is_empty() && c.sky_sun.is_finite()));
 }
 

@@ -111,6 +111,7 @@ pub(super) fn read(path: &Path, bytes: &[u8], options: &WeatherOptions) -> Resul
         air,
         step_min: 60.0 / f64::from(header.records_per_hour),
         stamped_at: StampedAt::End,
+        zenith_deg: Vec::new(),
         warnings: ignored.into_iter().chain(of_no_year).collect(),
     })
 }

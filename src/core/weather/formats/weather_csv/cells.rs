@@ -8,6 +8,7 @@ use csv::ByteRecord;
 
 use crate::error::{Error, Result};
 use crate::text::excerpt;
+use crate::weather::judging::raw_weather::MISSING_99;
 
 /// Largest number of W/m2 that stands for a missing value: -999, -9999 and -9900 are in use.
 const MISSING_BELOW: f64 = -900.0;
@@ -16,7 +17,7 @@ const MISSING_BELOW: f64 = -900.0;
 pub const MISSING_RADIATION: f64 = 9999.0;
 
 /// Words for a missing number.
-const MISSING: [&str; 7] = ["", "nan", "na", "n/a", "null", "none", "-"];
+const MISSING: [&str; 11] = ["", "nan", "na", "n/a", "null", "none", "-", "--", "---", "*", "missing"];
 
 /// Number of characters of a cell that a message shows.
 pub const SHOWN: usize = 60;
@@ -76,7 +77,9 @@ impl Cells<'_> {
             let hint = "write W/m2 from 0 up, with a decimal point; leave the cell empty where missing";
             return Err(self.bad(place, name, hint));
         };
-        let codes = in_watts && (value <= MISSING_BELOW || value >= MISSING_RADIATION) || !in_watts && is_code(&text);
+        let codes = MISSING_99.contains(&value)
+            || in_watts && (value <= MISSING_BELOW || value >= MISSING_RADIATION)
+            || !in_watts && is_code(&text);
         Ok((!codes && Some(value) != self.style.no_data).then_some(value))
     }
 

@@ -21,6 +21,16 @@ const GLOBAL_INCLINED: &str = "g(i)";
 
 const MISSING_SNOW_CM: f64 = 999.0;
 
+/// Words in names of columns that hold no total or direct light.
+const OTHER_THINGS: [&str; 26] = [
+    "press", "cloud", "wind", "source", "uncert", "flag", "fill", "azimuth", "etr", "clear", "precip", "rain",
+    "station", "quality", "qc", "toa", "extra", "humid", "temp", "type", "visib", "ozone", "aerosol", "water", "cover",
+    "unnamed",
+];
+
+/// Number of columns that a message names.
+const UNREAD_SHOWN: usize = 6;
+
 /// Number of characters of a line of names that a message shows.
 const NAMES_SHOWN: usize = 120;
 
@@ -48,6 +58,8 @@ pub struct Columns {
     infrared: Option<Column>,
     opaque_sky: Option<Column>,
     wind: Option<Column>,
+    zenith: Option<Column>,
+    altitude: Option<Column>,
     /// True if light is given at moments only.
     pub instants: bool,
 }
@@ -115,9 +127,22 @@ impl Columns {
             infrared: find(Quantity::Infrared)?,
             opaque_sky: find(Quantity::OpaqueSky)?,
             wind: find(Quantity::Wind)?,
+            zenith: find(Quantity::Zenith).unwrap_or_default(),
+            altitude: find(Quantity::Altitude).unwrap_or_default(),
             names: head.names.clone(),
             instants: false,
         };
+        // Alone, `dir` may be that of the wind and `sid` the number of a station.
+        let has =
+            |known: &[&str]| head.names.iter().any(|name| known.iter().any(|known| squash(name).starts_with(known)));
+        let is = |column: &Column, name: &str| head.names.get(column.place).is_some_and(|found| squash(found) == name);
+        columns.dni = columns.dni.filter(|column| !is(column, "dir") || has(&["swd", "dif"]));
+        columns.beam = columns.beam.filter(|column| !is(column, "sid") || has(&["sis"]));
+        // `Direct radiation [W/m**2]` of BSRN is normal; with other units the name is that of
+        // Open-Meteo.
+        if columns.dni.is_none() && columns.beam.is_some_and(|beam| columns.name(beam.place).contains("m**2")) {
+            columns.dni = columns.beam.take();
+        }
         let light = [columns.ghi, columns.dni, columns.dhi];
         if light.iter().all(Option::is_none) {
             columns.take_inclined(path, head)?;
@@ -140,7 +165,7 @@ impl Columns {
             let what = format!("no column of light among `{}`", excerpt(&head.names.join(","), NAMES_SHOWN));
             let hint =
                 format!("give an EPW, TMY3 or SURFRAD file, or a CSV with a line of names: a time and some of {known}");
-            return Err(Error::input(path, head.lines, what, hint));
+            return Err(Error::input(path, head.line_of_names(), what, hint));
         }
         if head.slope_deg != Some(0.0) {
             let slope =
@@ -149,7 +174,7 @@ impl Columns {
                 format!("the irradiances are those of {slope}, from which those of other planes cannot be computed");
             let hint = "ask PVGIS for hourly data of slope 0 with radiation components (angle=0&components=1), or for a typical year \
                         (TMY)";
-            return Err(Error::input(path, head.lines, what, hint));
+            return Err(Error::input(path, head.line_of_names(), what, hint));
         }
         (self.beam, self.dhi, self.ghi) = (beam.filter(|_| diffuse.is_some()), diffuse, global);
         Ok(())
@@ -164,6 +189,81 @@ impl Columns {
     /// position.
     pub fn has_all_light(&self) -> bool {
         [self.ghi, self.dni, self.dhi].iter().all(Option::is_some)
+    }
+
+    /// Returns true if GHI, or DHI with direct light, is given. Other layouts lack a part of the
+    /// light.
+    fn has_total(&self) -> bool {
+        self.ghi.is_some() || self.dhi.is_some() && self.dni.or(self.beam).is_some()
+    }
+
+    /// Refuses a layout that gives no total light beside columns that are not read: one of them may
+    /// hold the rest. Returns a sentence on these columns if a part of the light must be estimated.
+    pub fn check_unread(&self, path: &Path, head: &Head, is_time: impl Fn(usize) -> bool) -> Result<Option<String>> {
+        let light = [self.ghi, self.dni, self.dhi, self.beam];
+        let is_known = |name: &String| Quantity::ALL.iter().any(|quantity| match_name(name, *quantity).is_some());
+        let lower = |name: &String| name.to_lowercase();
+        let is_other = |name: &String| OTHER_THINGS.iter().any(|word| lower(name).contains(word));
+        let unread: Vec<String> = self
+            .names
+            .iter()
+            .enumerate()
+            .filter(|(place, name)| !name.is_empty() && !is_time(*place) && !is_known(name) && !is_other(name))
+            .map(|(_, name)| format!("`{}`", excerpt(name, SHOWN)))
+            .collect();
+        let read: Vec<String> =
+            light.iter().flatten().map(|column| format!("`{}`", excerpt(self.name(column.place), SHOWN))).collect();
+        let shown = |all: &[String]| {
+            let more = all.len().saturating_sub(UNREAD_SHOWN);
+            let first = all.get(..UNREAD_SHOWN).unwrap_or(all).join(", ");
+            if more > 0 { format!("{first} and {more} more") } else { first }
+        };
+        if unread.is_empty() {
+            return Ok(None);
+        }
+        if !self.has_total() {
+            let what = format!(
+                "the columns of light that are read, {}, give no total, and {} are not read",
+                shown(&read),
+                shown(&unread)
+            );
+            let hint = "name columns of light ghi, dni (direct normal), dhi or bhi (direct horizontal), or take columns \
+                        without light out of the file";
+            return Err(Error::input(path, head.line_of_names(), what, hint));
+        }
+        let is_split = self.dni.is_none() && self.dhi.is_none() && self.beam.is_none();
+        Ok(is_split.then(|| {
+            format!(
+                "{}: only {} is read of the light; columns that are not read: {}; name them dni, dhi or bhi if they \
+                 hold light",
+                path.display(),
+                shown(&read),
+                shown(&unread)
+            )
+        }))
+    }
+
+    /// Returns the zenith angle of the sun in a row, degrees.
+    pub fn zenith_deg(&self, cells: &Cells) -> Option<f64> {
+        let of = |column: Option<Column>| column.and_then(|column| cells.number(column.place));
+        of(self.zenith).or_else(|| of(self.altitude).map(|altitude| 90.0 - altitude))
+    }
+
+    /// Returns the name of the column of direct horizontal irradiance.
+    pub fn beam_name(&self) -> Option<&str> {
+        self.beam.map(|column| self.name(column.place))
+    }
+
+    /// Returns true if a column gives the height of the sun.
+    pub fn has_zenith(&self) -> bool {
+        self.zenith.or(self.altitude).is_some()
+    }
+
+    /// Returns direct horizontal irradiance and GHI of a row if DHI is their difference.
+    pub fn beam_and_ghi(&self, cells: &Cells) -> Option<(f64, f64)> {
+        let (ghi, beam) = self.ghi.zip(self.beam).filter(|_| self.dhi.is_none() && alike(self.ghi, self.beam))?;
+        let number = |column: Column| cells.number(column.place).map(|value| column.unit.of(value));
+        Some((number(beam)?, number(ghi)?))
     }
 
     /// Returns true if light is given as energy of an interval, so that [`Columns::to_watts`] is
@@ -323,7 +423,7 @@ fn find(path: &Path, head: &Head, quantity: Quantity) -> Result<Option<Column>> 
             excerpt(two.name, SHOWN),
             quantity.word()
         );
-        return Err(Error::input(path, head.lines, what, "keep one of the two"));
+        return Err(Error::input(path, head.line_of_names(), what, "keep one of the two"));
     }
     let Some(Candidate { place, name, found }) = all.into_iter().next() else { return Ok(None) };
     let stated = head.units.get(place).map(String::as_str).unwrap_or_default();
@@ -342,5 +442,5 @@ fn find(path: &Path, head: &Head, quantity: Quantity) -> Result<Option<Column>> 
 
 fn unknown_unit(path: &Path, head: &Head, quantity: Quantity, name: &str, unit: &str) -> Error {
     let what = format!("the unit `{}` of column `{}` is not known", excerpt(unit, SHOWN), excerpt(name, SHOWN));
-    Error::input(path, head.lines, what, format!("give {} in {}", quantity.word(), quantity.units()))
+    Error::input(path, head.line_of_names(), what, format!("give {} in {}", quantity.word(), quantity.units()))
 }

@@ -152,11 +152,29 @@ impl Head {
             }
         }
         let light = [Quantity::Ghi, Quantity::Dni, Quantity::Dhi, Quantity::Beam];
+        self.take_clear_sky(&light);
         let is_light = |name: &String| {
             light.iter().any(|quantity| match_name(name, *quantity).is_some())
                 || ["gb(i)", "gd(i)", "g(i)"].contains(&squash(name).as_str())
         };
         self.names.len() > 1 && self.names.iter().any(is_light)
+    }
+
+    /// Names the columns of CAMS McClear, `Clear sky GHI` and so on, as those of the radiation
+    /// service, which has both kinds.
+    fn take_clear_sky(&mut self, light: &[Quantity]) {
+        let is_light = |name: &String| light.iter().any(|quantity| match_name(name, *quantity).is_some());
+        let is_cams = self.names.first().is_some_and(|name| squash(name) == "observationperiod");
+        if !is_cams || self.names.iter().any(is_light) {
+            return;
+        }
+        for name in &mut self.names {
+            if let Some((start, rest)) = name.split_at_checked(10)
+                && start.eq_ignore_ascii_case("clear sky ")
+            {
+                *name = rest.to_owned();
+            }
+        }
     }
 
     /// Takes rows of units and of words below the names, and the first row.
@@ -206,6 +224,11 @@ impl Head {
         };
         let dated = cells.first().is_some_and(|cell| cell.chars().filter(char::is_ascii_digit).count() > 3);
         !dated && self.names.iter().zip(cells).any(below_light)
+    }
+
+    /// Returns the line of names; `None` in JSON, whose names stand in no line of their own.
+    pub fn line_of_names(&self) -> Option<usize> {
+        Some(self.lines).filter(|line| *line > 0)
     }
 
     /// Returns a cell of the first row.

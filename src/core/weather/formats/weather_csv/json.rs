@@ -5,6 +5,7 @@
 //! name) and NASA POWER (`properties` with an object of hours for each name). Of any other service
 //! it reads a list of records, one record a line, or arrays of one length by name.
 
+use std::collections::HashSet;
 use std::path::Path;
 
 use csv::ByteRecord;
@@ -12,9 +13,10 @@ use serde_json::{Map, Value};
 
 use crate::error::{Error, Result};
 use crate::text::excerpt;
+use crate::weather::formats::stamp_text::parse_stamp;
 use crate::weather::formats::weather_csv::head::{Head, Kind};
 use crate::weather::formats::weather_csv::layout::late_min;
-use crate::weather::formats::weather_csv::names::squash;
+use crate::weather::formats::weather_csv::names::{Quantity, match_name, squash};
 
 /// A document as a table.
 pub struct JsonTable {
@@ -49,7 +51,8 @@ pub fn table(path: &Path, bytes: &[u8]) -> Result<JsonTable> {
     let found = open_meteo(path, &document, &mut head)?
         .or_else(|| nasa_power(&document, &mut head))
         .or_else(|| split_table(&document))
-        .or_else(|| list_of_records(&document, 0).map(of_records))
+        .or_else(|| records_of(&document))
+        .or_else(|| keyed_by_time(&document))
         .or_else(|| arrays(&document, 0));
     let Some((names, records)) = found else {
         let hint = "give PVGIS, Open-Meteo or NASA POWER as JSON, a list of records with a time and ghi, dni, dhi, or a CSV file";
@@ -116,26 +119,72 @@ fn text(value: &Value) -> String {
     }
 }
 
-/// Returns the first list of objects, from the outside in.
-fn list_of_records(value: &Value, depth: usize) -> Option<&[Value]> {
+/// Returns the first list of records with light; else the first list of records.
+fn records_of(document: &Value) -> Option<NamesAndRows> {
+    let mut lists = Vec::new();
+    lists_of_records(document, 0, &mut lists);
+    let with_light = lists.iter().find(|items| names_of(items).iter().any(|name| is_light(name)));
+    with_light.or(lists.first()).map(|items| of_records(items))
+}
+
+/// Collects the lists of objects, from the outside in.
+fn lists_of_records<'v>(value: &'v Value, depth: usize, found: &mut Vec<&'v [Value]>) {
     match value {
-        Value::Array(items) if items.len() > 1 && items.iter().all(Value::is_object) => Some(items),
-        Value::Array(items) if items.len() == 1 && depth < DEEPEST => list_of_records(&items[0], depth + 1),
+        Value::Array(items) if items.len() > 1 && items.iter().all(Value::is_object) => found.push(items),
+        Value::Array(items) if items.len() == 1 && depth < DEEPEST => lists_of_records(&items[0], depth + 1, found),
         Value::Object(members) if depth < DEEPEST => {
-            members.values().find_map(|value| list_of_records(value, depth + 1))
+            members.values().for_each(|value| lists_of_records(value, depth + 1, found));
         }
-        _ => None,
+        _ => {}
     }
+}
+
+fn is_light(name: &str) -> bool {
+    let light = [Quantity::Ghi, Quantity::Dni, Quantity::Dhi, Quantity::Beam];
+    light.into_iter().any(|quantity| match_name(name, quantity).is_some())
+}
+
+/// Returns the names of single values in all records, each once, in order of appearance.
+fn names_of(items: &[Value]) -> Vec<String> {
+    let (mut names, mut known) = (Vec::new(), HashSet::new());
+    for (name, value) in items.iter().filter_map(Value::as_object).flatten() {
+        if !value.is_object() && !value.is_array() && known.insert(name) {
+            names.push(name.clone());
+        }
+    }
+    names
+}
+
+/// Reads objects whose names are time stamps, as pandas writes a table with an index of times: one
+/// object for each column (`columns`), or one for each stamp (`index`).
+fn keyed_by_time(document: &Value) -> Option<NamesAndRows> {
+    let members = document.as_object().filter(|members| members.len() > 1)?;
+    let is_stamp = |name: &String| parse_stamp(name, None).is_some_and(|stamp| stamp.has_time);
+    if members.keys().all(is_stamp) {
+        let stamped = |(stamp, values): (&String, &Value)| {
+            let mut record = values.as_object()?.clone();
+            record.insert("time".to_owned(), Value::String(stamp.clone()));
+            Some(Value::Object(record))
+        };
+        return Some(of_records(&members.iter().map(stamped).collect::<Option<Vec<Value>>>()?));
+    }
+    let columns: Vec<(&String, &Map<String, Value>)> =
+        members.iter().map(|(name, values)| Some((name, values.as_object()?))).collect::<Option<_>>()?;
+    let stamps: Vec<&String> = columns.first()?.1.keys().collect();
+    if stamps.len() < 2 || !stamps.iter().all(|stamp| is_stamp(stamp)) {
+        return None;
+    }
+    let names = std::iter::once("time".to_owned()).chain(columns.iter().map(|(name, _)| (*name).clone())).collect();
+    let row = |stamp: &&String| {
+        let cell = |values: &Map<String, Value>| values.get(stamp.as_str()).map(text).unwrap_or_default();
+        std::iter::once((*stamp).clone()).chain(columns.iter().map(|(_, values)| cell(values))).collect()
+    };
+    Some((names, stamps.iter().map(row).collect()))
 }
 
 fn of_records(items: &[Value]) -> NamesAndRows {
     let objects: Vec<&Map<String, Value>> = items.iter().filter_map(Value::as_object).collect();
-    let mut names: Vec<String> = Vec::new();
-    if let Some(first) = objects.first() {
-        names.extend(
-            first.iter().filter(|(_, value)| !value.is_object() && !value.is_array()).map(|(name, _)| name.clone()),
-        );
-    }
+    let names = names_of(items);
     let cell = |object: &&Map<String, Value>, name: &String| object.get(name).map(text).unwrap_or_default();
     let records = objects.iter().map(|object| names.iter().map(|name| cell(object, name)).collect()).collect();
     (names, records)
@@ -186,8 +235,11 @@ fn open_meteo(path: &Path, document: &Value, head: &mut Head) -> Result<Option<N
     }
     let document = document.as_array().and_then(|places| places.first()).unwrap_or(document);
     let Some(offset) = document.get("utc_offset_seconds").and_then(Value::as_f64) else { return Ok(None) };
-    for series in ["minutely_15", "hourly"] {
-        let Some(found) = document.get(series).and_then(|hours| arrays(hours, DEEPEST)) else { continue };
+    let table = |series: &'static str| Some((series, arrays(document.get(series)?, DEEPEST)?));
+    let mut all: Vec<(&str, NamesAndRows)> = ["minutely_15", "hourly"].into_iter().filter_map(table).collect();
+    // Quarters of hours may hold temperatures alone, beside hours of light.
+    all.sort_by_key(|(_, (names, _))| !names.iter().any(|name| is_light(name)));
+    if let Some((series, found)) = all.into_iter().next() {
         let units = document.get(format!("{series}_units"));
         head.kind = Kind::OpenMeteo;
         let unit = |name: &String| units.and_then(|units| units.get(name)).map(text).unwrap_or_default();

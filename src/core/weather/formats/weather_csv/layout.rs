@@ -53,7 +53,9 @@ impl Head {
                 Kind::Pvsyst
             }
             () if named("observationperiod") => Kind::Cams,
-            () if named("observationtime") && !first.is_empty() => Kind::SolarAnywhere,
+            () if named("observationtime") && !first.is_empty() || first.contains("averaging method") => {
+                Kind::SolarAnywhere
+            }
             () if first.trim_start_matches('"').starts_with("toa5") => Kind::Datalogger,
             () if all.contains("meteonorm") => Kind::Meteonorm,
             () => Kind::Plain,

@@ -13,6 +13,7 @@ use crate::weather::formats::weather_csv::made_layouts::{
 use crate::weather::formats::weather_file::parse_weather_as;
 use crate::weather::options::WeatherOptions;
 use crate::weather::series::Weather;
+use crate::weather::time::clock_zone::ClockZone;
 
 /// Returns the energy on a flat plane, one to the east and one inclined to the west.
 fn sums(weather: &Weather) -> [f64; 3] {
@@ -130,7 +131,7 @@ fn units_of_ground_and_air_are_converted() {
         let (row, air) = (weather.rows[0], weather.air[0]);
         assert!((row.snow_depth_cm.expect("snow") - 30.0).abs() < 0.1, "{names}: {row:?}");
         assert!((row.albedo.expect("albedo") - 0.2).abs() < 1e-9 && (air.dry_bulb_c.expect("air") - 15.0).abs() < 1e-9);
-        assert_eq!(weather.report.warnings.len(), 1, "{:?}", weather.report.warnings);
+        assert_eq!(weather.report.warnings.len(), 2, "no year, and light at night: {:?}", weather.report.warnings);
     }
     let said = made("albedo,temp_air", "20,288.15").report.warnings.join("\n");
     for part in
@@ -203,7 +204,7 @@ fn damaged_layouts_are_read_or_refused() {
 /// 48 hours is 00:00, and the sums stay.
 #[test]
 fn zones_of_layouts_move_labels() {
-    let local = WeatherOptions { zone_hours: Some(-7.0), ..SILENT };
+    let local = WeatherOptions { zone: Some(ClockZone::Hours(-7.0)), ..SILENT };
     for text in
         [cams("Universal time (UT)"), nasa_csv("UTC", 0), open_meteo_json(|hour| json!(hour.iso(0, 60)), "iso8601")]
     {

@@ -5,6 +5,7 @@ use serde_json::json;
 
 use crate::weather::options::{DateOrder, StampedAt, TimeShift, WeatherOptions};
 use crate::weather::time::calendar::Date;
+use crate::weather::time::clock_zone::ClockZone;
 use crate::weather::time::sun::{Interval, Location};
 
 /// One hour of the made weather, by the clock of UTC-7.
@@ -56,7 +57,7 @@ pub fn hours() -> Vec<Hour> {
 pub const AT_PLACE: WeatherOptions = WeatherOptions {
     latitude_deg: Some(40.0),
     longitude_deg: Some(-105.0),
-    zone_hours: Some(-7.0),
+    zone: Some(ClockZone::Hours(-7.0)),
     shift: TimeShift::Minutes(0.0),
     stamped_at: None,
     date_order: None,
@@ -64,8 +65,7 @@ pub const AT_PLACE: WeatherOptions = WeatherOptions {
 };
 
 /// Options for files that state place and zone themselves.
-pub const SILENT: WeatherOptions =
-    WeatherOptions { latitude_deg: None, longitude_deg: None, zone_hours: None, ..AT_PLACE };
+pub const SILENT: WeatherOptions = WeatherOptions { latitude_deg: None, longitude_deg: None, zone: None, ..AT_PLACE };
 
 /// Returns a table with a line for each hour.
 pub fn table(head: &str, row: impl Fn(Hour) -> String) -> String {
@@ -440,7 +440,7 @@ pub fn stamps() -> Vec<Layout> {
 }
 
 pub fn services() -> Vec<Layout> {
-    let blank = WeatherOptions { zone_hours: Some(-7.0), ..SILENT };
+    let blank = WeatherOptions { zone: Some(ClockZone::Hours(-7.0)), ..SILENT };
     let end = WeatherOptions { stamped_at: Some(StampedAt::End), ..AT_PLACE };
     let meteonorm = table("Meteonorm 8\ny,m,dm,h,G_Gh,G_Bn,G_Dh", |hour| {
         format!("2021,6,{},{},{}", hour.day, hour.hour + 1, hour.light(plain))

@@ -5,6 +5,8 @@
 //! lines that services write above them. Cells are separated by commas, semicolons, tabs or blanks.
 //! Light is missing if its cell is empty, a word for missing, at most -900 or at least 9999.
 
+#[cfg(test)]
+mod case_tests;
 mod cells;
 mod columns;
 mod head;
@@ -27,19 +29,21 @@ use std::path::Path;
 use csv::ByteRecord;
 
 use crate::error::{Error, Result};
+use crate::text::excerpt;
 use crate::weather::air::Air;
 use crate::weather::formats::date_text::{ColumnOrder, OrderFinder};
-use crate::weather::formats::stamped::{StampedRows, SteppedRows};
+use crate::weather::formats::stamped::{LegalDays, StampedRows, SteppedRows};
 use crate::weather::judging::raw_weather::{RawRow, RawWeather};
 use crate::weather::options::{DateOrder, StampedAt, WeatherOptions};
 use crate::weather::time::calendar::Date;
+use crate::weather::time::clock_zone::{ClockZone, LocalOffset};
 
-use cells::{Cells, cell};
+use cells::{Cells, SHOWN, cell};
 use columns::{Columns, OutOfRange};
 use head::{Head, Kind};
 use moments::MomentReader;
 use source::RowSource;
-use stamp_columns::{StampColumns, StampPlace};
+use stamp_columns::{StampColumns, StampPlace, is_time_name};
 
 pub(super) use json::is_json;
 pub(super) use units::is_watts;
@@ -59,6 +63,8 @@ fn read_table(path: &Path, mut head: Head, source: &RowSource, options: &Weather
     let stamps = StampColumns::find(path, &head)?;
     let mut warnings = Vec::new();
     let columns = Columns::read(path, &head, options.with_air, &mut warnings)?;
+    warnings
+        .extend(columns.check_unread(path, &head, |place| stamps.holds(place) || is_time_name(&head.names[place]))?);
     head.warnings.append(&mut warnings);
     let order = order_of(path, &head, &columns, &stamps, source, options)?;
     let moments = MomentReader { columns: &stamps, names: &columns, order };
@@ -123,6 +129,9 @@ struct Rows<'a> {
     no_year: usize,
     /// Length of an interval in the first row that states it, minutes, and its line.
     stated_min: Option<(f64, usize)>,
+    /// Rows with light, and those among them whose direct horizontal irradiance exceeds GHI.
+    beam_above_ghi: [usize; 2],
+    zenith_deg: Vec<Option<f64>>,
     odd: OutOfRange,
     rows: Vec<RawRow>,
     seconds: Vec<i64>,
@@ -143,13 +152,15 @@ impl<'a> Rows<'a> {
             columns,
             moments,
             options,
-            zone_hours: options.zone_hours,
+            zone_hours: None,
             stamps_say: None,
             moved_s: 0,
             ends_day: false,
             are_starts: false,
             no_year: 0,
             stated_min: None,
+            beam_above_ghi: [0; 2],
+            zenith_deg: Vec::new(),
             odd: OutOfRange::default(),
             rows: Vec::new(),
             seconds: Vec::new(),
@@ -168,7 +179,7 @@ impl<'a> Rows<'a> {
         if ends {
             return Ok(false);
         }
-        if first.starts_with('#') {
+        if first.starts_with('#') || is_sum(record) {
             return Ok(true);
         }
         let count = self.columns.count;
@@ -181,6 +192,13 @@ impl<'a> Rows<'a> {
         let seconds = self.stamp(&cells)?;
         self.seconds.push(seconds);
         self.rows.push(self.columns.row(&cells, &mut self.odd)?);
+        self.zenith_deg.push(self.columns.zenith_deg(&cells));
+        if let Some((beam, ghi)) = self.columns.beam_and_ghi(&cells)
+            && beam > LEAST_LIGHT
+        {
+            self.beam_above_ghi[0] += 1;
+            self.beam_above_ghi[1] += usize::from(beam > MOST_BEAM_SHARE * ghi);
+        }
         if self.options.with_air {
             self.air.push(self.columns.air(&cells, &mut self.odd));
         }
@@ -205,13 +223,48 @@ impl<'a> Rows<'a> {
                 return Err(Error::input(self.path, cells.line, what, "give rows at one step"));
             }
         }
-        let Some(said) = said else { return Ok(seconds) };
-        let zone = *self.zone_hours.get_or_insert(said);
+        let year = Date::of_day_number((seconds / 86_400) as i32).map_or(Date::NO_YEAR, |date| date.year);
+        let asked = self.options.zone.map(|zone| zone.standard_hours(year));
+        let Some(said) = said else {
+            self.zone_hours = self.zone_hours.or(asked);
+            return self.by_standard_time(cells, seconds);
+        };
+        let zone = *self.zone_hours.get_or_insert(asked.unwrap_or(said));
         let moved_s = ((zone - said) * 3600.0).round() as i64;
         if self.seconds.is_empty() {
             self.moved_s = moved_s;
         }
         Ok(seconds + moved_s)
+    }
+
+    /// Returns the seconds by standard time of a stamp without an offset. Files of services keep
+    /// standard time; any other file keeps the legal time of a zone that the user names.
+    fn by_standard_time(&mut self, cells: &Cells, seconds: i64) -> Result<i64> {
+        let (Some(zone @ ClockZone::Named(_)), Kind::Plain, Some(hours)) =
+            (self.options.zone, self.head.kind, self.zone_hours)
+        else {
+            return Ok(seconds);
+        };
+        let standard_s = (hours * 3600.0).round() as i64;
+        let by = |offset_s: i64| seconds - offset_s + standard_s;
+        let found = match zone.offset_at_local(seconds) {
+            LocalOffset::Once(offset_s) => by(offset_s),
+            // The first of the two hours is followed by the second.
+            LocalOffset::Twice(first_s, then_s) => {
+                let first = by(first_s);
+                if self.seconds.last().is_some_and(|last| *last >= first) { by(then_s) } else { first }
+            }
+            LocalOffset::Never => {
+                let what = format!("the clock of {zone} never shows this time, because summer time begins");
+                let hint =
+                    "if the file keeps standard time in summer, too, state its zone in hours: {time_zone} +01:00";
+                return Err(Error::input(self.path, cells.line, what, hint));
+            }
+        };
+        if self.seconds.is_empty() {
+            self.moved_s = found - seconds;
+        }
+        Ok(found)
     }
 
     /// Returns the place of a stamp in its interval: first as the user says, then as the names of
@@ -228,11 +281,23 @@ impl<'a> Rows<'a> {
         self.head.usual_stamp(self.path, has_minutes, self.columns.instants)
     }
 
-    fn finish(self) -> Result<RawWeather> {
+    /// Puts rows in order of time that stand newest first, as Solcast gives them.
+    fn put_in_order(&mut self) {
+        if self.seconds.len() > 1 && self.seconds.windows(2).all(|pair| pair[0] > pair[1]) {
+            self.seconds.reverse();
+            self.rows.reverse();
+            self.air.reverse();
+            self.zenith_deg.reverse();
+        }
+    }
+
+    fn finish(mut self) -> Result<RawWeather> {
+        self.put_in_order();
         if self.rows.is_empty() {
             let hint = "write a line of names and below it a line for each interval";
             return Err(Error::input(self.path, None, "the file has no weather rows", hint));
         }
+        self.check_beam()?;
         let stamped_at = self.stamped_at()?;
         let Rows { path, head, columns, options, rows, seconds, mut air, moved_s, odd, .. } = self;
         let mut station = head.station.clone();
@@ -245,7 +310,34 @@ impl<'a> Rows<'a> {
         // First and last stamp by the file's own clock.
         let first_s = seconds.first().copied().unwrap_or_default() - moved_s;
         let last_s = seconds.last().copied().unwrap_or_default() - moved_s;
-        let stamped = StampedRows { rows, seconds, stamped_at, day_of_start: true, late_min, moved_s };
+        let named = self.are_starts || self.moments.columns.at.is_some();
+        let is_default = options.stamped_at.is_none() && head.kind == Kind::Plain && stamped_at == StampedAt::Start;
+        let is_default = is_default && !named;
+        let legal = match (options.zone, self.zone_hours) {
+            (Some(zone @ ClockZone::Named(_)), Some(hours))
+                if self.stamps_say == Some(true) || head.kind == Kind::Plain =>
+            {
+                Some(LegalDays { zone, standard_hours: hours })
+            }
+            _ => None,
+        };
+        let mut stamped = StampedRows { rows, seconds, stamped_at, day_of_start: true, late_min, moved_s, legal };
+        let mut by_clock = None;
+        if is_default && let Some((at, add_s)) = stamped.place_by_clock(path, self.zone_hours == Some(0.0))? {
+            stamped.stamped_at = at;
+            stamped.seconds.iter_mut().for_each(|stamp| *stamp += add_s);
+            by_clock = Some(format!(
+                "{}: time stamps stand {}: they are read as the {} of their intervals; {{weather_stamp}} states another \
+                 place",
+                path.display(),
+                match add_s {
+                    0 => "at half a step".to_owned(),
+                    _ => format!("{add_s} s before a step ends"),
+                },
+                at.name()
+            ));
+        }
+        let stamped_at = stamped.stamped_at;
         let SteppedRows { mut rows, step_min, warning } = stamped.stepped(path)?;
         if let Some((stated, line)) = self.stated_min
             && (stated - step_min).abs() > 0.02
@@ -270,9 +362,10 @@ impl<'a> Rows<'a> {
                 Date::NO_YEAR
             ));
         }
-        let is_default = options.stamped_at.is_none() && head.kind == Kind::Plain && stamped_at == StampedAt::Start;
-        let named = self.are_starts || self.moments.columns.at.is_some();
-        if is_default && !named && !columns.has_all_light() && runs_to_midnight(first_s, last_s, step_min) {
+        warnings.extend(by_clock);
+        let is_default = is_default && !columns.has_all_light() && stamped_at == StampedAt::Start;
+        let zenith_deg = if is_default && columns.has_zenith() { self.zenith_deg } else { Vec::new() };
+        if is_default && zenith_deg.is_empty() && runs_to_midnight(first_s, last_s, step_min) {
             warnings.push(format!(
                 "{}: stamps run from the end of the first interval of a day to midnight, as ends of intervals do, \
                  but are read as starts; {{weather_stamp}} end reads them as ends, {{weather_stamp}} start confirms \
@@ -280,9 +373,44 @@ impl<'a> Rows<'a> {
                 path.display()
             ));
         }
-        Ok(RawWeather { station, rows, air, step_min, stamped_at, warnings })
+        Ok(RawWeather { station, rows, air, step_min, stamped_at, zenith_deg, warnings })
+    }
+
+    /// Refuses a column of direct horizontal irradiance that exceeds GHI, as direct normal
+    /// irradiance does.
+    fn check_beam(&self) -> Result<()> {
+        let [lit, above] = self.beam_above_ghi;
+        if above < FEWEST_ABOVE || above as f64 <= LEAST_SHARE_ABOVE * lit as f64 {
+            return Ok(());
+        }
+        let name = self.columns.beam_name().unwrap_or_default();
+        let what = format!(
+            "column `{}` has the name of direct horizontal irradiance, and exceeds GHI in {above} of {lit} rows, as only \
+             direct normal irradiance can",
+            excerpt(name, SHOWN)
+        );
+        Err(Error::input(self.path, self.head.line_of_names(), what, "name it dni if it is direct normal irradiance"))
     }
 }
+
+/// Words in the first cell of a row of sums below the rows of light.
+const SUMS: [&str; 8] = ["total", "totals", "sum", "average", "averages", "mean", "minimum", "maximum"];
+
+/// Returns true for a row of sums or means.
+fn is_sum(record: &ByteRecord) -> bool {
+    let first = record.iter().find(|cell| !cell.is_empty()).unwrap_or_default();
+    let word = String::from_utf8_lossy(first);
+    let word = word.trim_matches([':', ' ', '"']);
+    SUMS.iter().any(|sum| word.eq_ignore_ascii_case(sum))
+}
+
+/// Least direct irradiance that is compared with GHI, W/m2.
+const LEAST_LIGHT: f64 = 50.0;
+/// Largest ratio of direct horizontal irradiance to GHI, with room for errors of instruments.
+const MOST_BEAM_SHARE: f64 = 1.05;
+/// Least number of rows, and share of those with direct light, that prove another quantity.
+const FEWEST_ABOVE: usize = 3;
+const LEAST_SHARE_ABOVE: f64 = 0.1;
 
 /// Returns true if whole days are stamped from one step after midnight to midnight.
 fn runs_to_midnight(first_s: i64, last_s: i64, step_min: f64) -> bool {

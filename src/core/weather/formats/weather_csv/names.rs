@@ -19,9 +19,31 @@ pub enum Quantity {
     Infrared,
     OpaqueSky,
     Wind,
+    /// Zenith angle of the sun.
+    Zenith,
+    /// Altitude of the sun.
+    Altitude,
 }
 
 impl Quantity {
+    /// All quantities.
+    pub const ALL: [Quantity; 14] = [
+        Quantity::Ghi,
+        Quantity::Dni,
+        Quantity::Dhi,
+        Quantity::Beam,
+        Quantity::Albedo,
+        Quantity::Snow,
+        Quantity::DryBulb,
+        Quantity::DewPoint,
+        Quantity::Humidity,
+        Quantity::Infrared,
+        Quantity::OpaqueSky,
+        Quantity::Wind,
+        Quantity::Zenith,
+        Quantity::Altitude,
+    ];
+
     /// Returns the names of the quantity in lower case, the usual ones first. Case, blanks, hyphens
     /// and underscores do not matter.
     const fn names(self) -> &'static [&'static str] {
@@ -39,6 +61,16 @@ impl Quantity {
                 "g_gh",
                 "global_radiation",
                 "global_irradiance",
+                "swd",
+                "short_wave_downward_(global)_radiation",
+                "short_wave_downward_radiation",
+                "surface_downwelling_shortwave_flux_in_air",
+                "rsds",
+                "sis",
+                "sw_in",
+                "sw_down",
+                "global_solar_radiation",
+                "globalstrahlung",
             ],
             Quantity::Dni => &[
                 "dni",
@@ -52,6 +84,11 @@ impl Quantity {
                 "bni",
                 "allsky_sfc_sw_dni",
                 "g_bn",
+                "dir",
+                "direct_n",
+                "beam_normal",
+                "beam_irradiance",
+                "beam",
             ],
             Quantity::Dhi => &[
                 "dhi",
@@ -66,10 +103,38 @@ impl Quantity {
                 "allsky_sfc_sw_diff",
                 "diffhor",
                 "g_dh",
+                "swdif",
+                "diffusstrahlung",
             ],
-            Quantity::Beam => {
-                &["bhi", "direct_radiation", "gb(h)", "direct_horizontal_irradiance", "beam_horizontal_irradiance"]
-            }
+            Quantity::Beam => &[
+                "bhi",
+                "direct_radiation",
+                "gb(h)",
+                "direct_horizontal_irradiance",
+                "beam_horizontal_irradiance",
+                "dirhi",
+                "sid",
+                "direct_horizontal",
+                "beam_horizontal",
+                "direct_horizontal_radiation",
+            ],
+            Quantity::Zenith => &[
+                "solar_zenith",
+                "solar_zenith_angle",
+                "zenith",
+                "zenith_angle",
+                "sza",
+                "sun_zenith",
+                "apparent_zenith",
+            ],
+            Quantity::Altitude => &[
+                "solar_elevation",
+                "solar_altitude",
+                "solar_elevation_angle",
+                "sun_elevation",
+                "sun_altitude",
+                "apparent_elevation",
+            ],
             Quantity::Albedo => &["albedo", "surface_albedo", "alb", "allsky_srf_alb"],
             Quantity::Snow => &["snow_depth", "snow_height"],
             Quantity::DryBulb => &[
@@ -156,6 +221,7 @@ impl Quantity {
             Quantity::Humidity => Measure::Percent,
             Quantity::OpaqueSky => Measure::Tenths,
             Quantity::Wind => Measure::Speed,
+            Quantity::Zenith | Quantity::Altitude => Measure::Angle,
         }
     }
 
@@ -168,6 +234,7 @@ impl Quantity {
             Measure::Share | Measure::Percent => "% or fraction",
             Measure::Tenths => "tenths, oktas, % or fraction",
             Measure::Speed => "m/s, km/h, knots or mph",
+            Measure::Angle => "degrees",
         }
     }
 
@@ -186,6 +253,8 @@ impl Quantity {
             Quantity::Infrared => "infrared radiation",
             Quantity::OpaqueSky => "opaque sky cover",
             Quantity::Wind => "wind speed",
+            Quantity::Zenith => "zenith angle of the sun",
+            Quantity::Altitude => "altitude of the sun",
         }
     }
 }
@@ -263,6 +332,8 @@ fn unit_behind(rest: &str, measure: Measure, instant: &mut bool) -> Option<State
     let mut unit = StatedUnit::Silent;
     let mut left = rest;
     while !left.is_empty() {
+        // `DNI (W/m^2))` of SolarAnywhere has a bracket too many.
+        left = left.trim_start_matches([')', ']']);
         let bracketed = left.starts_with(['(', '[']);
         let (part, behind) = if bracketed {
             let end = left.rfind([')', ']']).unwrap_or(left.len());

@@ -44,8 +44,32 @@ const MIDDLE: &[&str] =
     &["periodmid", "periodmiddle", "midtime", "timemid", "intervalmid", "periodcenter", "periodcentre"];
 
 /// Names of a column of times of day, beside a column of dates.
-const CLOCK: &[&str] =
-    &["time", "hour", "hr", "clock", "timeofday", "hh:mm", "localtime", "hhmm", "hourofday", "uhrzeit", "zeit"];
+const CLOCK: &[&str] = &[
+    "time",
+    "hour",
+    "hr",
+    "clock",
+    "timeofday",
+    "hh:mm",
+    "localtime",
+    "hhmm",
+    "hourofday",
+    "uhrzeit",
+    "zeit",
+    "mst",
+    "pst",
+    "est",
+    "cst",
+    "hst",
+    "akst",
+    "gmt",
+    "utc",
+];
+
+/// Standard times of North America that NREL's MIDC names its column of times of day by, with their
+/// hours ahead of UTC.
+const STANDARD_TIMES: [(&str, f64); 6] =
+    [("mst", -7.0), ("pst", -8.0), ("est", -5.0), ("cst", -6.0), ("hst", -10.0), ("akst", -9.0)];
 
 const YEAR: &[&str] = &["year", "yyyy", "yr", "y"];
 const MONTH: &[&str] = &["month", "mo", "mm", "m"];
@@ -108,6 +132,14 @@ pub fn place_of(names: &[String], wanted: &[&str]) -> Option<usize> {
     wanted.iter().find_map(|wanted| plain.iter().position(|name| *name == squash(wanted)))
 }
 
+/// Returns true if a name is that of a column of time.
+pub fn is_time_name(name: &str) -> bool {
+    let plain = bare(name);
+    let lists =
+        [TIME, START, END, MIDDLE, CLOCK, YEAR, MONTH, DAY, HOUR, MINUTE, PERIOD, &["second", "doy", "dayofyear"]];
+    lists.iter().any(|names| names.iter().any(|name| squash(name) == plain))
+}
+
 /// Returns true if some column has a name of a time.
 pub fn names_a_time(names: &[String]) -> bool {
     let has = |wanted: &[&str]| place_of(names, wanted).is_some();
@@ -117,6 +149,17 @@ pub fn names_a_time(names: &[String]) -> bool {
 }
 
 impl StampColumns {
+    /// Returns true if a column belongs to the time of rows.
+    pub fn holds(&self, place: usize) -> bool {
+        let (text, parts) = match self.place {
+            StampPlace::Text { date, clock } => ([Some(date), clock], [None; 6]),
+            StampPlace::Parts { year, month, day, hour, minute, clock } => {
+                ([None; 2], [year, month, Some(day), hour, minute, clock])
+            }
+        };
+        text.into_iter().chain(parts).chain([self.end, self.period]).any(|of_time| of_time == Some(place))
+    }
+
     /// Finds the time: a column with a name for it, else the first one if it holds time stamps,
     /// else year, month, day, hour and minute.
     pub fn find(path: &Path, head: &Head) -> Result<Self> {
@@ -202,7 +245,7 @@ impl StampColumns {
         }
         let what = format!("no column of time among `{}`", excerpt(&names.join(","), 120));
         let hint = "name one `time`, such as 2021-06-01T12:30+01:00, or give year, month, day, hour and minute";
-        Err(Error::input(path, head.lines, what, hint))
+        Err(Error::input(path, head.line_of_names(), what, hint))
     }
 }
 
@@ -239,7 +282,10 @@ fn zone_of_layout(head: &Head) -> Option<f64> {
 
 /// Returns the zone that a name states: `time(UTC)`, `timestamp_utc`, `Time (UTC+1)`.
 fn zone_of(name: &str) -> Option<f64> {
-    let lower = name.to_lowercase();
+    let lower = name.trim().to_lowercase();
+    if let Some((_, hours)) = STANDARD_TIMES.iter().find(|(known, _)| *known == lower) {
+        return Some(*hours);
+    }
     let at = lower.find("utc").or_else(|| lower.find("gmt"))?;
     let zone: String =
         lower.get(at..)?.chars().take_while(|c| c.is_alphanumeric() || matches!(c, '+' | '-' | ':')).collect();

@@ -7,13 +7,14 @@ use crate::weather::formats::weather_file::{parse_weather, parse_weather_as};
 use crate::weather::options::{StampedAt, TimeShift, WeatherOptions};
 use crate::weather::series::Weather;
 use crate::weather::time::calendar::Date;
+use crate::weather::time::clock_zone::ClockZone;
 use crate::weather::time::sun::Location;
 
 /// Options with the place of the small files below.
 const AT_NICE: WeatherOptions = WeatherOptions {
     latitude_deg: Some(43.7),
     longitude_deg: Some(7.3),
-    zone_hours: Some(1.0),
+    zone: Some(ClockZone::Hours(1.0)),
     shift: TimeShift::Minutes(0.0),
     stamped_at: None,
     date_order: None,
@@ -213,7 +214,7 @@ fn stamps_of_nsrdb_are_the_middle() {
     let place = WeatherOptions {
         latitude_deg: Some(40.5137),
         longitude_deg: Some(-108.5449),
-        zone_hours: Some(-7.0),
+        zone: Some(ClockZone::Hours(-7.0)),
         ..WeatherOptions::default()
     };
     let weather = file("psm4_4_days.csv", &place);
@@ -253,7 +254,10 @@ fn suns_agree_with_the_zenith_angles_of_surfrad() {
         assert!((row.sun.z.acos().to_degrees() - zenith).abs() < 0.3, "{zenith} {:?}", row.sun);
     }
     // -7 moves the clock, not the sun.
-    let local = file("surfrad_2_hours.dat", &WeatherOptions { zone_hours: Some(-7.0), ..WeatherOptions::default() });
+    let local = file(
+        "surfrad_2_hours.dat",
+        &WeatherOptions { zone: Some(ClockZone::Hours(-7.0)), ..WeatherOptions::default() },
+    );
     assert_eq!((local.rows[0].interval.label().as_str(), local.site.zone_hours), ("2016-01-01T10:59", -7.0));
     assert!(local.rows.iter().zip(&weather.rows).all(|(a, b)| (a.sun - b.sun).length() < 1e-9));
     let lines: Vec<&str> = text.lines().collect();
@@ -319,7 +323,7 @@ fn missing_rows_give_a_warning() {
     assert!(told.contains("line 4 and on: 3 rows (3.0 hours) are missing in 2 gaps"), "{told}");
     assert_eq!(weather.rows[4].interval.label(), "2021-06-01T17:00");
     let typical = rows(&["2018-01-31T22:00Z", "2018-01-31T23:00Z", "2007-02-01T00:00Z", "2007-02-01T01:00Z"]);
-    let utc = read(&typical, &WeatherOptions { zone_hours: None, ..AT_NICE }).expect("valid");
+    let utc = read(&typical, &WeatherOptions { zone: None, ..AT_NICE }).expect("valid");
     assert!(utc.rows[2].interval.date.year == 2007 && utc.report.warnings.iter().all(|w| !w.contains("missing")));
     let moved = at_nice(&typical).expect_err("another clock").to_string();
     assert!(moved.contains("typical year") && moved.contains("leave {time_zone} out"), "{moved}");
@@ -355,7 +359,7 @@ fn wrong_files_are_refused_with_the_line() {
         (rows("2021-06-01T12:00,1,1\n"), "line 4: the row has 3 columns instead of 4"),
         (rows("2021-06-01T12:00,x,1,1\n"), "line 4: column `ghi` holds `x`"),
         (rows("2021-06-01T12:00,1,inf,1\n"), "line 4: column `dni` holds `inf`"),
-        (rows("2021-06-01T12:00,1,1,-99\n"), "line 4: column `dhi` holds `-99`"),
+        (rows("2021-06-01T12:00,1,1,-98\n"), "line 4: column `dhi` holds `-98`"),
         ("time;ghi\n2021-06-01T10:00;1.000,5\n2021-06-01T11:00;1,5\n".into(), "line 2: column `ghi` holds `1.000,5`"),
         ("time,ghi\n2021-06-01,1\n2021-06-02,1\n".into(), "rows are 1440 min apart"),
         ("time,ghi\n2021-06-01T10:00:00,1\n2021-06-01T10:00:10,1\n".into(), "rows are 0.16666666666666666 min apart"),
@@ -401,8 +405,8 @@ fn a_file_without_place_or_zone_is_refused() {
     for (options, said) in [
         (nowhere, "give {latitude} and {longitude}"),
         (WeatherOptions { latitude_deg: Some(43.7), ..nowhere }, "does not state its longitude"),
-        (WeatherOptions { zone_hours: None, ..AT_NICE }, "such as {time_zone} +00:00"),
-        (WeatherOptions { zone_hours: None, longitude_deg: Some(-105.0), ..AT_NICE }, "such as {time_zone} -07:00"),
+        (WeatherOptions { zone: None, ..AT_NICE }, "such as {time_zone} +00:00"),
+        (WeatherOptions { zone: None, longitude_deg: Some(-105.0), ..AT_NICE }, "such as {time_zone} -07:00"),
         (WeatherOptions { latitude_deg: Some(95.0), ..AT_NICE }, "latitude is 95"),
     ] {
         let message = read(text, &options).map(drop).expect_err(said).to_string();

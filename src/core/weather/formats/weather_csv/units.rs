@@ -18,6 +18,8 @@ pub enum Measure {
     Percent,
     /// Speed, to metres a second.
     Speed,
+    /// Angle, in degrees.
+    Angle,
 }
 
 /// A unit: its number times `factor`, plus `offset`, is in the unit of the engine.
@@ -126,6 +128,7 @@ pub fn parse_unit(text: &str, measure: Measure) -> Option<Unit> {
             _ => None,
         },
         Measure::Share => share(&plain).map(Unit::times),
+        Measure::Angle => ["deg", "degree", "degrees", "\u{b0}"].contains(&plain.as_str()).then_some(Unit::PLAIN),
         Measure::Tenths => match plain.as_str() {
             "tenths" | "tenth" | "10ths" | "1/10" => Some(Unit::PLAIN),
             "oktas" | "okta" | "octas" | "octa" | "eighths" | "1/8" => Some(Unit::times(1.25)),
