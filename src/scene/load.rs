@@ -15,7 +15,7 @@ use crate::formats;
 use crate::formats::{Asked, Content};
 use crate::geometry::{Geometry, Names};
 use crate::ground::endless::EndlessGround;
-use crate::ground::found::{lies_free, surrounds};
+use crate::ground::found::{DETACHED_M, lies_free, surrounds};
 use crate::ground::missing;
 use crate::ground::missing::{BELOW_M, heights};
 use crate::ground::model::{ModelGround, USUAL};
@@ -339,13 +339,24 @@ impl Pile {
             let bears = move |triangle: &&&RawTriangle| known.class(triangle.material) == (class, false);
             others.iter().filter(bears).map(|triangle| triangle.corners.map(corner))
         };
+        let of_material = others.iter().map(|triangle| (triangle.material, triangle.corners.map(corner)));
+        let by_shape =
+            missing::ground_by_shape(of_material, |number| known.class(number) == (Class::Obstruction, false));
+        for (number, area_m2) in by_shape {
+            let name = known.names().get(number as usize).cloned().unwrap_or_default();
+            report.warnings.push(missing::ground_warning(&name, area_m2));
+        }
         let free = lies_free(of_class(Class::Ground), of_class(Class::Obstruction));
         let found = free && surrounds(of_class(Class::Ground), of_class(Class::Obstruction));
         let Some(Model { file, ground, .. }) = models.first() else {
-            let [low, _] = heights(positions, triangles.iter())?;
+            let [lowest, _] = heights(positions, triangles.iter())?;
             if found {
                 return None;
             }
+            // Ground far below of what stands is land that was drawn at height 0.
+            let stands = |triangle: &&&RawTriangle| known.class(triangle.material).0 == Class::Obstruction;
+            let feet = heights(positions, others.iter().filter(stands).copied()).map_or(lowest, |[low, _]| low);
+            let low = if lowest < feet - DETACHED_M { feet } else { lowest };
             let plane_m = low - BELOW_M;
             let wholes: Vec<u32> = objects.iter().map(|object| whole_of(*object, names, notes)).collect();
             report.warnings.push(missing::warning(positions, triangles, &wholes, plane_m, free));

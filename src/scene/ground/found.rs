@@ -13,12 +13,12 @@ const FREE: f64 = 0.05;
 /// Least share of the open plan around the standing triangles that ground covers if it surrounds
 /// them.
 const AROUND: f64 = 0.5;
-/// Width of the rim around the standing triangles that counts as their plan, in their heights:
+/// Width of the rim around the standing triangles that counts as their plan, in their mean height:
 /// most of the light that a wall gets from the ground comes from about that far.
 const RIM_HEIGHTS: f64 = 0.5;
 /// Height of the lowest standing triangle above the highest ground beyond which nothing stands on
 /// that ground, metres: land that was drawn at height 0.
-const DETACHED_M: f64 = 5.0;
+pub(crate) const DETACHED_M: f64 = 5.0;
 /// Height up to which a surface lies on the ground, metres.
 const SAME_HEIGHT_M: f64 = 0.01;
 /// Least upward component of the unit normal, up or down, of a face that counts; steeper faces are
@@ -68,8 +68,8 @@ pub(crate) fn lies_free(
 }
 
 /// Returns true if ground covers most of the open plan in and around the box of the triangles that
-/// stand, and lies at most `DETACHED_M` below the lowest of them. Without standing triangles the
-/// ground is the scene.
+/// stand, and its highest open point lies at most `DETACHED_M` below the lowest of them. Floors below
+/// roofs are not open. Without standing triangles the ground is the scene.
 pub(crate) fn surrounds(
     ground: impl Iterator<Item = Corners> + Clone,
     standing: impl Iterator<Item = Corners> + Clone,
@@ -81,27 +81,31 @@ pub(crate) fn surrounds(
     if !(low.is_finite() && high.is_finite()) {
         return true;
     }
-    let rim = (RIM_HEIGHTS * (high.z - low.z)).max(SAME_HEIGHT_M);
+    // The mean height of what has a roof: one tower does not widen the rim of a town.
+    let side = AROUND_SIDE;
+    let extent = (high - low).truncate().max(DVec2::splat(SAME_HEIGHT_M));
+    let roofs = Plan { low: low.truncate(), cell: extent / side as f64, side }.highest(standing.clone());
+    let (mut tops, mut count) = (0.0, 0_usize);
+    for top in roofs.iter().filter(|top| top.is_finite()) {
+        (tops, count) = (tops + f64::from(*top), count + 1);
+    }
+    let mean_top = if count == 0 { high.z } else { tops / count as f64 };
+    let rim = (RIM_HEIGHTS * (mean_top - low.z)).max(SAME_HEIGHT_M);
     let (corner, extent) = (low.truncate() - rim, (high - low).truncate() + 2.0 * rim);
     let near = |triangle: &Corners| {
         let (low_of, high_of) = bounds(&mut triangle.iter().copied());
         high_of.truncate().cmpge(corner).all() && low_of.truncate().cmple(corner + extent).all()
     };
-    let near_ground = ground.filter(near);
-    let (_, top) = bounds(&mut near_ground.clone().flatten());
-    if !(top.z >= low.z - DETACHED_M) {
-        return false;
-    }
-    let side = AROUND_SIDE;
     let plan = Plan { low: corner, cell: extent / side as f64, side };
-    let (ground, standing) = (plan.highest(near_ground), plan.highest(standing));
-    let open = ground.iter().zip(&standing).filter(|(ground, standing)| ground.is_finite() || !standing.is_finite());
-    let (mut covered, mut all) = (0_usize, 0_usize);
-    for (ground, _) in open {
+    let (ground, standing) = (plan.highest(ground.filter(near)), plan.highest(standing));
+    let (mut covered, mut all, mut top) = (0_usize, 0_usize, f32::NEG_INFINITY);
+    for (ground, _) in ground.iter().zip(&standing).filter(|(_, standing)| !standing.is_finite()) {
         all += 1;
         covered += usize::from(ground.is_finite());
+        top = top.max(*ground);
     }
-    covered as f64 >= AROUND * all as f64
+    let attached = f64::from(top) >= low.z - DETACHED_M;
+    all == 0 || attached && covered as f64 >= AROUND * all as f64
 }
 
 /// Points of a rectangle, each in the middle of its cell.
@@ -189,8 +193,8 @@ mod tests {
     }
 
     /// A house of 10 x 10 x 8 m: a lawn with a rim of 20 m surrounds it; a road beside it, a
-    /// manhole and a plate with a rim of 1 m do not, nor does land that lies 40 m below it: 4 of 5
-    /// do not. Ground on which nothing stands surrounds itself.
+    /// manhole and a plate with a rim of 1 m do not, nor does land that lies 40 m below it, with or
+    /// without the floor of the house: 5 of 6 do not. Ground on which nothing stands surrounds itself.
     #[test]
     fn a_road_or_a_manhole_does_not_surround_a_house() {
         let wall = [DVec3::ZERO, DVec3::new(10., 0., 0.), DVec3::new(0., 0., 8.)];
@@ -204,6 +208,8 @@ mod tests {
             ([-200., -200., 200., 200.], -40.0),
         ];
         assert_eq!(without.map(|(plan, z)| around(rectangle(plan, z))), [false; 4]);
+        let floor = rectangle([0., 0., 10., 10.], 0.0);
+        assert!(!around([floor, rectangle([-200., -200., 200., 200.], -40.0)].concat()));
         assert!(surrounds(rectangle([0., 0., 1., 1.], 0.0).into_iter(), [].into_iter()));
     }
 }

@@ -1,10 +1,14 @@
 //! The plane of a scene without ground. In: the scene's triangles with their objects. Out: the
 //! plane's height, and a warning for the user.
 
-use glam::DVec3;
+use std::collections::BTreeMap;
 
+use glam::{DVec2, DVec3};
+
+use crate::ground::found::{Corners, lies_free};
 use crate::ground::model::USUAL;
 use crate::mesh::RawTriangle;
+use crate::text::excerpt;
 
 /// Depth of the plane below the lowest point, metres, so that rays do not hit floors at that point
 /// and the plane at once.
@@ -67,10 +71,61 @@ pub(crate) fn warning(
         _ => String::new(),
     };
     let lack = if partly { "the ground of the scene does not surround it" } else { "the scene has no ground" };
+    let below = heights(positions, triangles).is_some_and(|[low, _]| low < plane_m);
+    let at = if below { "the lowest point of what stands" } else { "its lowest point" };
     format!(
-        "{lack}: a plane that reflects {USUAL} is assumed at its lowest point, {:.2} m{slope} ({{no_ground}}: none; \
-         [endless_ground] in {{materials}}: another)",
+        "{lack}: a plane that reflects {USUAL} is assumed at {at}, {:.2} m{slope} ({{no_ground}}: none; [endless_ground] in \
+         {{materials}}: another)",
         plane_m + BELOW_M
+    )
+}
+
+/// Least share of a material's area that faces up if it is ground by its shape.
+const FACES_UP: f64 = 0.9;
+/// Least share of the plan that such a material covers.
+const COVERS: f64 = 0.5;
+/// Depth below ground that feet of what stands may have, metres.
+const SAME_LEVEL_M: f64 = 0.5;
+
+/// Returns the materials that count as what stands but are ground by their shape, and their areas,
+/// m2: they face up and cover half of the plan with nothing above, and everything else stands on
+/// them.
+pub(crate) fn ground_by_shape(
+    triangles: impl Iterator<Item = (u32, Corners)> + Clone,
+    stands: impl Fn(u32) -> bool,
+) -> Vec<(u32, f64)> {
+    let mut areas: BTreeMap<u32, [f64; 2]> = BTreeMap::new();
+    let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+    for (material, [a, b, c]) in triangles.clone() {
+        let cross = (b - a).cross(c - a) / 2.0;
+        let [plan, area] = areas.entry(material).or_default();
+        (*plan, *area) = (*plan + cross.z.max(0.0), *area + cross.length());
+        for corner in [a, b, c] {
+            (low, high) = (low.min(corner.truncate()), high.max(corner.truncate()));
+        }
+    }
+    let extent = high - low;
+    let wide = |[plan, area]: [f64; 2]| plan >= FACES_UP * area && plan >= COVERS * extent.x * extent.y;
+    let heights = |faces: &mut dyn Iterator<Item = Corners>| {
+        let z = faces.flatten().map(|corner| corner.z);
+        z.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], z| [low.min(z), high.max(z)])
+    };
+    let lies_below = |material: u32| {
+        let [own, others] = [true, false]
+            .map(|own| triangles.clone().filter(move |(of, _)| (*of == material) == own).map(|(_, corners)| corners));
+        let ([low, high], [foot, top]) = (heights(&mut own.clone()), heights(&mut others.clone()));
+        top > high && foot >= low - SAME_LEVEL_M && lies_free(own, others)
+    };
+    let found = areas.into_iter().filter(|(material, areas)| wide(*areas) && stands(*material));
+    found.filter(|(material, _)| lies_below(*material)).map(|(material, [plan, _])| (material, plan)).collect()
+}
+
+/// Returns the warning about such a material.
+pub(crate) fn ground_warning(name: &str, area_m2: f64) -> String {
+    format!(
+        "material `{}` counts as an obstruction, but its {area_m2:.0} m2 lie below everything else: write class = \"ground\" for it \
+         in {{materials}} if it is ground",
+        excerpt(name.as_bytes())
     )
 }
 

@@ -64,6 +64,48 @@ fn a_scene_without_ground_gets_a_plane() {
     assert_eq!(plane(&Scene::load(&bare, None).expect("a scene")), (2.0, None));
 }
 
+/// A road beside a box, a road 40 m below it and wide land 40 m below it do not surround it: a plane
+/// lies 1 cm below the feet of the box, at 2 m, and the warning says so. Before, the road took the
+/// plane away, and walls got 785 of 912 kWh/m2.
+#[test]
+fn a_road_does_not_take_the_plane_away() {
+    let folder = Folder::new();
+    let land = |[x, y]: [[i32; 2]; 2], z: i32| {
+        let corners = [[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], [x[0], y[1]]];
+        let corners: String = corners.iter().map(|[x, y]| format!("v {x} {y} {z}\n")).collect();
+        format!("{BOX}{corners}usemtl Road\nf -4 -3 -2 -1\n")
+    };
+    let cases = [
+        (land([[-20, 20], [-15, -5]], 2), "its lowest point, 2.00 m"),
+        (land([[-20, 20], [-15, -5]], -38), "the lowest point of what stands, 2.00 m"),
+        (land([[-99, 99], [-99, 99]], -38), "the lowest point of what stands, 2.00 m"),
+    ];
+    for (text, at) in cases {
+        let scene = load(&[&folder.write("land.obj", &text)], None);
+        assert_eq!(plane(&scene).1, Some(0.2));
+        let said =
+            format!("the ground of the scene does not surround it: a plane that reflects 0.2 is assumed at {at}");
+        assert!(scene.report.warnings.iter().any(|text| text.starts_with(&said)), "{:?}", scene.report.warnings);
+    }
+}
+
+/// 1,600 m2 of a material `slab` below a box are ground by their shape, which a warning says; the
+/// roof of the box and a floor below it are not, and `asphalt` is ground by its name.
+#[test]
+fn ground_without_a_name_for_it_is_reported() {
+    let folder = Folder::new();
+    let said = |name: &str| {
+        let text = format!("{BOX}v -20 -20 2\nv 20 -20 2\nv 20 20 2\nv -20 20 2\nusemtl {name}\nf -4 -3 -2 -1\n");
+        let scene = load(&[&folder.write("box.obj", &text)], None);
+        let about = |text: &&String| text.contains("counts as an obstruction");
+        (scene.report.warnings.iter().find(about).cloned(), plane(&scene).1)
+    };
+    let (warning, assumed) = said("slab");
+    assert!(warning.is_some_and(|text| text.starts_with("material `slab` counts as an obstruction, but its 1600 m2 lie below")));
+    assert_eq!(assumed, Some(0.2));
+    assert_eq!(said("asphalt"), (None, None));
+}
+
 /// The Hague with its terrain gets no plane; without the terrain it gets one at the lowest point of
 /// 54 buildings, 3.692 m: floors are no ground. Three buildings of another city model get a plane
 /// as well.
