@@ -4,6 +4,7 @@
 use std::path::Path;
 
 use crate::materials::select::class_of_name;
+use crate::surface_city::landcover::reflectance_of;
 use crate::text::excerpt;
 use heliotile_core::site::material::{Class, Material};
 use heliotile_core::text::counted;
@@ -55,6 +56,9 @@ pub(crate) fn assumed(name: &str) -> Material {
         let matt = Material::matt(name, 0.0, class);
         return Material { transmittance: Some(CROWN), ..matt };
     }
+    if let Some(reflectance) = reflectance_of(&lower) {
+        return Material::matt(name, reflectance, class);
+    }
     let diffuse = match () {
         () if lower.contains("water") => WATER,
         () if has(&["window", "glass", "glazing"]) => WINDOW,
@@ -86,7 +90,7 @@ mod tests {
         }
     }
 
-    /// Ten names get the reflectance of their kind, and all of them give valid materials.
+    /// Twelve names get the reflectance of their kind, and all of them give valid materials.
     #[test]
     fn names_get_the_reflectance_of_their_kind() {
         for (name, diffuse, transmittance, class) in [
@@ -99,6 +103,8 @@ mod tests {
             ("SolitaryVegetationObject", 0.0, Some(0.17), Class::Obstruction),
             ("street", 0.2, None, Class::Ground),
             ("default", 0.2, None, Class::Obstruction),
+            ("paved", 0.18, None, Class::Ground),
+            ("Grass", 0.16, None, Class::Ground),
             ("", 0.2, None, Class::Obstruction),
         ] {
             let material = assumed(name);

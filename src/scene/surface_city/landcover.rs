@@ -26,6 +26,11 @@ const CLASSES: [(u16, &str, f64); 7] = [
     (7, "water", 0.07),
 ];
 
+/// Returns the reflectance of a material with a name of [`CLASSES`].
+pub(crate) fn reflectance_of(name: &str) -> Option<f64> {
+    CLASSES.iter().find(|(_, known, _)| *known == name).map(|(.., reflectance)| *reflectance)
+}
+
 /// Returns the material of ground of a code; `terrain` without a code.
 pub(super) fn material_of(code: u16) -> String {
     match CLASSES.iter().find(|(known, ..)| *known == code) {
