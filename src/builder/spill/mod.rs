@@ -18,6 +18,25 @@ use std::io;
 use std::path::Path;
 
 use heliotile_core::error::Error;
+use heliotile_core::units::Bytes;
+
+/// Returns the memory of this machine, bytes; `None` where no `/proc/meminfo` states it.
+fn machine_memory() -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let kibibytes = text.lines().find_map(|line| line.strip_prefix("MemTotal:"))?.trim().strip_suffix(" kB")?;
+    kibibytes.parse::<u64>().ok()?.checked_mul(1024)
+}
+
+/// Fails with a sentence if a budget is more than the memory of this machine: lists are sized by
+/// their budget, and the system would end the program.
+pub fn check_memory(budget: Bytes) -> Result<Bytes, String> {
+    match machine_memory() {
+        Some(most) if budget.0 > most => {
+            Err(format!("this machine has {:.1} GiB: give at most that", most as f64 / f64::from(1 << 30)))
+        }
+        _ => Ok(budget),
+    }
+}
 
 /// Returns the error for a record that cannot be read back: the temporary file in `folder` is
 /// damaged.
@@ -28,4 +47,17 @@ pub fn damaged(folder: &Path) -> Error {
 /// Reads a number that was pushed as eight bytes.
 pub fn number_of(payload: &[u8], folder: &Path) -> heliotile_core::error::Result<u64> {
     payload.try_into().map(u64::from_le_bytes).map_err(|_| damaged(folder))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 64 MiB are fine on every machine, and 2^60 bytes on none that states its memory.
+    #[test]
+    fn more_memory_than_the_machine_has_is_refused() {
+        assert_eq!(check_memory(Bytes(64 << 20)), Ok(Bytes(64 << 20)));
+        assert_eq!(check_memory(Bytes(1 << 60)).is_err(), machine_memory().is_some());
+        assert!(!cfg!(target_os = "linux") || machine_memory().is_some_and(|bytes| bytes > 64 << 20));
+    }
 }

@@ -10,7 +10,7 @@ use pyo3::types::PyDict;
 use serde::Deserialize;
 use serde_json::Value;
 
-use crate::asked::{Filled, Forcing, LightArgs, ReplayArgs, Source};
+use crate::asked::{Filled, Forcing, LightArgs, Memory, ReplayArgs, Source};
 use crate::errors::raised;
 use crate::lazy::LazyReplay;
 use crate::memory::Block;
@@ -178,9 +178,9 @@ impl ArchiveHandle {
     /// Returns the ids of the selected receivers of each archive in turn; `None` if all receivers
     /// of an archive are selected.
     #[pyo3(signature = (receivers, memory))]
-    fn chosen(&self, py: Python<'_>, receivers: Wanted, memory: u64) -> PyResult<Vec<Option<Vec<String>>>> {
+    fn chosen(&self, py: Python<'_>, receivers: Wanted, memory: Memory) -> PyResult<Vec<Option<Vec<String>>>> {
         work::run(py, None, |_| {
-            let chosen = self.choose(Some(receivers), MemoryBudget::new(memory))?;
+            let chosen = self.choose(Some(receivers), memory.0)?;
             let ids = |part: &PartReceivers| {
                 let all = part.count() == part.site.receivers();
                 (!all).then(|| part.rows::<()>().map(|row| Ok(row?.receiver.id)).collect()).transpose()
@@ -243,8 +243,13 @@ impl ArchiveHandle {
 
     /// Returns columns of all or of some receivers, in the order of results.
     #[pyo3(signature = (receivers, memory))]
-    fn receivers<'py>(&self, py: Python<'py>, receivers: Option<Wanted>, memory: u64) -> PyResult<Bound<'py, PyDict>> {
-        let columns = work::run(py, None, |_| columns_of(self.choose(receivers, MemoryBudget::new(memory))?.rows()))?;
+    fn receivers<'py>(
+        &self,
+        py: Python<'py>,
+        receivers: Option<Wanted>,
+        memory: Memory,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let columns = work::run(py, None, |_| columns_of(self.choose(receivers, memory.0)?.rows()))?;
         let table = PyDict::new(py);
         columns.into_iter().try_for_each(|(name, column)| table.set_item(name, column))?;
         Ok(table)
@@ -392,11 +397,11 @@ impl ArchiveHandle {
         py: Python<'_>,
         receivers: Option<Wanted>,
         asked: &str,
-        memory: u64,
+        memory: Memory,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<String> {
         let Sunlight { request, files } = crate::studies::request(asked).map_err(|error| raised(py, error))?;
-        let memory = MemoryBudget::new(memory);
+        let memory = memory.0;
         let done = work::run(py, progress.as_ref(), |watch| {
             request.check(&files, &[&self.place])?;
             let chosen = self.choose(receivers, memory)?;
@@ -424,7 +429,7 @@ impl ArchiveHandle {
         output: PathBuf,
         receivers: Wanted,
         with_scene: bool,
-        memory: u64,
+        memory: Memory,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<ArchiveHandle> {
         work::run(py, progress.as_ref(), |watch| {
@@ -475,11 +480,11 @@ impl ArchiveHandle {
         steps: (f64, f64),
         by: &str,
         receivers: Option<Wanted>,
-        memory: u64,
+        memory: Memory,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<FactorColumns> {
         let by = by_name("by", by).map_err(|error| raised(py, error))?;
-        let memory = MemoryBudget::new(memory);
+        let memory = memory.0;
         let (names, grid, columns) = work::run(py, progress.as_ref(), |watch| {
             let chosen = self.choose(receivers, memory)?;
             let storage = SystemTemp;

@@ -4,11 +4,13 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
 use serde_json::{Map, Value};
 
 use crate::errors::wrong;
+use heliotile_builder::spill::check_memory;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::light::paths::LightPaths;
 use heliotile_core::light::radiosity::MaxBounces;
@@ -18,6 +20,7 @@ use heliotile_core::named::by_name;
 use heliotile_core::observer::Observer;
 use heliotile_core::replay::components::ComponentList;
 use heliotile_core::replay::reflectances::{Changes, ConstantOrFile};
+use heliotile_core::units::Bytes;
 use heliotile_core::weather::options::WeatherOptions;
 use heliotile_core::weather::span::Moment;
 use heliotile_core::weather::temperatures::Temperature;
@@ -27,6 +30,20 @@ use heliotile_results::{
     ReplayRequest, Resources, Series, SkyChoice, SkyFiles,
 };
 use heliotile_scene::input;
+
+/// Memory to work in, at most that of the machine.
+#[derive(Clone, Copy)]
+pub struct Memory(pub MemoryBudget);
+
+impl<'py> FromPyObject<'_, 'py> for Memory {
+    type Error = PyErr;
+
+    fn extract(number: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        let Bytes(bytes) = check_memory(Bytes(number.extract()?))
+            .map_err(|text| PyValueError::new_err(format!("memory: {text}, in bytes")))?;
+        Ok(Memory(MemoryBudget::new(bytes)))
+    }
+}
 
 /// A file, or the bytes of a file and its name.
 #[derive(FromPyObject)]
@@ -60,7 +77,7 @@ pub struct LightArgs {
     bounces: Option<u32>,
     reflectance: Vec<(String, Follow)>,
     transmittance: Vec<(String, Follow)>,
-    memory: u64,
+    memory: Memory,
 }
 
 /// Options of `replay`.
@@ -138,7 +155,7 @@ impl Given {
 impl LightArgs {
     /// Returns the memory for the work, bytes.
     fn memory(&self) -> MemoryBudget {
-        MemoryBudget::new(self.memory)
+        self.memory.0
     }
 
     fn choice(self, given: &mut Given) -> Result<LightChoice> {

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use pyo3::prelude::*;
 use serde::Serialize;
 
+use crate::asked::Memory;
 use crate::errors::worded_text;
 use crate::studies::{about, request, resources};
 use crate::work;
@@ -38,7 +39,7 @@ pub fn audit(
     py: Python<'_>,
     text: String,
     folder: Option<PathBuf>,
-    memory: u64,
+    memory: Memory,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<(String, String)> {
     work::run(py, progress.as_ref(), |watch| {
@@ -72,7 +73,7 @@ pub fn verify(py: Python<'_>, place: PathBuf, deep: bool) -> PyResult<Vec<Checke
 pub fn repair(
     py: Python<'_>,
     text: &str,
-    memory: u64,
+    memory: Memory,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<(PathBuf, Vec<ProblemRow>, u64, String)> {
     work::run(py, progress.as_ref(), |watch| {
@@ -89,7 +90,7 @@ type UpdateRow = (PathBuf, [usize; 4], Vec<String>, u64, String);
 /// Edits the scene of an archive. Returns the new archive, what became of the receivers, the number
 /// of rays traced, and these as text.
 #[pyfunction]
-pub fn update(py: Python<'_>, text: &str, memory: u64, progress: Option<Bound<'_, PyAny>>) -> PyResult<UpdateRow> {
+pub fn update(py: Python<'_>, text: &str, memory: Memory, progress: Option<Bound<'_, PyAny>>) -> PyResult<UpdateRow> {
     work::run(py, progress.as_ref(), |watch| {
         let done = request::<UpdateRequest>(text)?.write(&resources(memory, watch))?;
         let said = done.text();
@@ -99,7 +100,7 @@ pub fn update(py: Python<'_>, text: &str, memory: u64, progress: Option<Bound<'_
 
 /// Tries settings on a site. Returns their cost and accuracy as JSON.
 #[pyfunction]
-pub fn tradeoff(py: Python<'_>, text: String, memory: u64, progress: Option<Bound<'_, PyAny>>) -> PyResult<String> {
+pub fn tradeoff(py: Python<'_>, text: String, memory: Memory, progress: Option<Bound<'_, PyAny>>) -> PyResult<String> {
     work::run(py, progress.as_ref(), |watch| {
         let request = request::<TradeoffRequest>(&text)?;
         json(&request.write(about("tradeoff", &text), &resources(memory, watch), |_| Ok(()))?)
@@ -108,7 +109,7 @@ pub fn tradeoff(py: Python<'_>, text: String, memory: u64, progress: Option<Boun
 
 /// Writes the layers of a receiver, or the view factors of all receivers.
 #[pyfunction]
-pub fn export(py: Python<'_>, text: String, memory: u64) -> PyResult<()> {
+pub fn export(py: Python<'_>, text: String, memory: Memory) -> PyResult<()> {
     work::run(py, None, |watch| {
         request::<ExportRequest>(&text)?.write(about("Archive.export", &text), &resources(memory, watch))
     })
@@ -116,6 +117,6 @@ pub fn export(py: Python<'_>, text: String, memory: u64) -> PyResult<()> {
 
 /// Writes the web page that shows an archive.
 #[pyfunction]
-pub fn view(py: Python<'_>, text: &str, memory: u64) -> PyResult<()> {
+pub fn view(py: Python<'_>, text: &str, memory: Memory) -> PyResult<()> {
     work::run(py, None, |watch| request::<PageRequest>(text)?.write(&resources(memory, watch)))
 }

@@ -10,6 +10,7 @@ use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
 
 use crate::archive::ArchiveHandle;
+use crate::asked::Memory;
 use crate::errors::{raised, worded_text, wrong};
 use crate::studies::request;
 use crate::work;
@@ -21,7 +22,6 @@ use heliotile_builder::writing::copy::folder_of;
 use heliotile_builder::writing::guards::{check_archive_name, guard_archive, guard_site};
 use heliotile_core::archive::Access;
 use heliotile_core::error::{Error, Result};
-use heliotile_core::memory::MemoryBudget;
 use heliotile_core::named::by_name;
 use heliotile_core::observer::Observer;
 use heliotile_remote::naming::{is_address, shown};
@@ -92,7 +92,7 @@ pub struct BuildArgs {
     preview: Option<f64>,
     fresh: bool,
     checkpoint: f64,
-    memory: u64,
+    memory: Memory,
 }
 
 /// Archive, seconds by stage, number of rays, bytes, and the estimated error in percent.
@@ -241,7 +241,7 @@ impl SceneHandle {
             guard_site(&args.output, &self.site, &inputs)?;
             guard_archive(&args.output)?;
             let before = args.before.as_deref().map(|from| open_archive(from, Access::Read)).transpose()?;
-            let workspace = Workspace { folder: folder.into(), memory: MemoryBudget::new(args.memory) };
+            let workspace = Workspace { folder: folder.into(), memory: args.memory.0 };
             let mut receivers = workspace.read_receivers(given.path(), &self.scene, watch)?;
             let prepared = PreparedScene::new(&self.scene)?;
             let build = Build { scene: &prepared, receivers: &mut receivers, workspace: &workspace, observer: watch };

@@ -8,6 +8,7 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
+use crate::asked::Memory;
 use crate::work;
 use heliotile_atlas::catalogue::CatalogueRequest;
 use heliotile_atlas::partition::PartitionRequest;
@@ -17,7 +18,6 @@ use heliotile_builder::transfer;
 use heliotile_builder::writing::guards::{guard_archive, guard_output};
 use heliotile_core::archive::Access;
 use heliotile_core::error::{Error, Result};
-use heliotile_core::memory::MemoryBudget;
 use heliotile_core::observer::Observer;
 use heliotile_core::weather::options::WeatherOptions;
 use heliotile_energyplus::EnergyplusRequest;
@@ -46,13 +46,13 @@ pub fn about(function: &str, text: &str) -> Provenance {
 
 /// Returns the resources for work: memory in bytes, scratch space, a reader of files, and an
 /// observer.
-pub fn resources<'a>(memory: u64, observer: &'a dyn Observer) -> Resources<'a> {
-    Resources { memory: MemoryBudget::new(memory), storage: &SystemTemp, files: &input::read, observer }
+pub fn resources<'a>(memory: Memory, observer: &'a dyn Observer) -> Resources<'a> {
+    Resources { memory: memory.0, storage: &SystemTemp, files: &input::read, observer }
 }
 
 /// Writes a year's results of scene files to a folder.
 #[pyfunction]
-pub fn run(py: Python<'_>, text: String, memory: u64, progress: Option<Bound<'_, PyAny>>) -> PyResult<Study> {
+pub fn run(py: Python<'_>, text: String, memory: Memory, progress: Option<Bound<'_, PyAny>>) -> PyResult<Study> {
     work::run(py, progress.as_ref(), |watch| {
         let done = request::<RunRequest>(&text)?.write(about("run", &text), &resources(memory, watch))?;
         Ok((done.folder, done.archive, done.files, done.table))
@@ -61,7 +61,7 @@ pub fn run(py: Python<'_>, text: String, memory: u64, progress: Option<Bound<'_,
 
 /// Writes the irradiance on solar modules to a folder.
 #[pyfunction]
-pub fn pv(py: Python<'_>, text: String, memory: u64, progress: Option<Bound<'_, PyAny>>) -> PyResult<Study> {
+pub fn pv(py: Python<'_>, text: String, memory: Memory, progress: Option<Bound<'_, PyAny>>) -> PyResult<Study> {
     work::run(py, progress.as_ref(), |watch| {
         let done = request::<PvRequest>(&text)?.write(about("pv", &text), &resources(memory, watch))?;
         Ok((done.folder, done.archive, done.files, done.table))
@@ -80,7 +80,7 @@ struct PeopleArgs {
 
 /// Builds the archive of a scene with people. Returns its path.
 #[pyfunction]
-pub fn comfort(py: Python<'_>, text: &str, memory: u64, progress: Option<Bound<'_, PyAny>>) -> PyResult<PathBuf> {
+pub fn comfort(py: Python<'_>, text: &str, memory: Memory, progress: Option<Bound<'_, PyAny>>) -> PyResult<PathBuf> {
     work::run(py, progress.as_ref(), |watch| {
         let PeopleArgs { site, weather, about_weather } = request(text)?;
         let asked = weather.map(|weather| {
@@ -93,7 +93,7 @@ pub fn comfort(py: Python<'_>, text: &str, memory: u64, progress: Option<Bound<'
 
 /// Writes an EnergyPlus model with the sunlight that its surroundings reflect.
 #[pyfunction]
-pub fn energyplus(py: Python<'_>, text: String, memory: u64, progress: Option<Bound<'_, PyAny>>) -> PyResult<()> {
+pub fn energyplus(py: Python<'_>, text: String, memory: Memory, progress: Option<Bound<'_, PyAny>>) -> PyResult<()> {
     work::run(py, progress.as_ref(), |watch| request::<EnergyplusRequest>(&text)?.write(&resources(memory, watch)))
 }
 
@@ -107,11 +107,11 @@ pub fn partition(
     atlas: PathBuf,
     replace: bool,
     sample: usize,
-    memory: u64,
+    memory: Memory,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<(usize, Option<String>)> {
     work::run(py, progress.as_ref(), |watch| {
-        let (cut, memory) = (request(text)?, MemoryBudget::new(memory));
+        let (cut, memory) = (request(text)?, memory.0);
         let plan =
             heliotile_atlas::partition::partition(&PartitionRequest { cut, atlas, replace, sample, memory }, watch)?;
         Ok((plan.parts.len(), plan.seams.map(|seams| seams.words())))
@@ -133,7 +133,7 @@ pub fn merge(
     py: Python<'_>,
     archives: [PathBuf; 2],
     output: PathBuf,
-    memory: u64,
+    memory: Memory,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<()> {
     work::run(py, progress.as_ref(), |watch| {
@@ -146,7 +146,7 @@ pub fn merge(
 
 /// Compares two archives. Returns true if they are equal, and their differences as text.
 #[pyfunction]
-pub fn diff(py: Python<'_>, archives: [PathBuf; 2], memory: u64) -> PyResult<(bool, String)> {
+pub fn diff(py: Python<'_>, archives: [PathBuf; 2], memory: Memory) -> PyResult<(bool, String)> {
     work::run(py, None, |_| {
         let [a, b] = archives.each_ref().map(|path| open_archive(path, Access::Read));
         let (a, b) = (a?, b?);
@@ -157,10 +157,10 @@ pub fn diff(py: Python<'_>, archives: [PathBuf; 2], memory: u64) -> PyResult<(bo
 
 /// Returns the folder and the memory for work on an archive; a folder for temporary files if
 /// `output` is `-`.
-pub fn workspace_of(output: &Path, memory: u64) -> Workspace {
+pub fn workspace_of(output: &Path, memory: Memory) -> Workspace {
     let folder = match output == Path::new("-") {
         true => std::env::temp_dir(),
         false => heliotile_builder::writing::copy::folder_of(output).to_path_buf(),
     };
-    Workspace { folder, memory: MemoryBudget::new(memory) }
+    Workspace { folder, memory: memory.0 }
 }

@@ -1,6 +1,7 @@
 //! Numbers with units and lists of numbers. In: text of the command line. Out: bytes, boxes,
 //! depths, or an error.
 
+use heliotile_builder::spill::check_memory;
 use heliotile_builder::transfer::Bounds;
 use heliotile_core::units::Bytes;
 
@@ -11,7 +12,7 @@ const LEAST_MEMORY: u64 = 64 << 20;
 pub fn parse_memory(text: &str) -> Result<Bytes, String> {
     match text.parse()? {
         Bytes(bytes) if bytes < LEAST_MEMORY => Err("give at least 64MiB".into()),
-        bytes => Ok(bytes),
+        bytes => check_memory(bytes),
     }
 }
 
