@@ -317,7 +317,10 @@ fn rows_of_variants_equal_single_comparisons() {
     folder.refused(&format!("{compare} {with} -o x.csv"), &["--output", "--plot", "2 are given", "--summary"]);
     folder.refused(&format!("{compare} {with} --plot x.png"), &["--plot", "--summary"]);
     folder.refused("compare before.helio after.helio", &["--weather", "--conditions"]);
-    folder.refused(&format!("compare before.helio after.helio {with} --summary x.csv -o x.csv"), &["named for two outputs"]);
+    folder.refused(
+        &format!("compare before.helio after.helio {with} --summary x.csv -o x.csv"),
+        &["named for two outputs"],
+    );
     folder.refused(&format!("compare before.helio after.helio {with} -o after.helio"), &["after.helio"]);
     let build =
         "build before.obj -m materials.toml --quality draft -r cube.csv --latitude 52 --longitude 4 -o other.helio";

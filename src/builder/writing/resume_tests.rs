@@ -161,7 +161,8 @@ fn another_job_is_refused_by_name() {
 
 /// One bit is changed in each byte of the journal and of the partial file, and both are cut at each
 /// length. The blocks before the damage count, those after it are written again, and all of over 10
-/// 000 results have equal bytes.
+/// 000 results have equal bytes. A partial file whose first 8 bytes are not those of an archive may
+/// be another file: 8 of 8 are refused and stay.
 #[test]
 fn damage_costs_what_follows_it() {
     let build = Build::new();
@@ -182,8 +183,18 @@ fn damage_costs_what_follows_it() {
         cases.push((partial.clone(), log[..place].to_vec(), Some(before(place))));
     }
     for place in 0..partial.len() {
-        cases.push((flip(&partial, place), log.clone(), (place < 8192).then_some(6)));
+        if place >= format::MAGIC.len() {
+            cases.push((flip(&partial, place), log.clone(), (place < 8192).then_some(6)));
+        }
         cases.push((partial[..place].to_vec(), log.clone(), None));
+    }
+    for place in 0..format::MAGIC.len() {
+        let disk = MemoryDisk::default();
+        let foreign = flip(&partial, place);
+        disk.put(&beside(path, ".partial"), &foreign);
+        let refused = Writer::start(Arc::new(disk.clone()), path, &JOB, Interrupted::Resume);
+        assert!(refused.is_err_and(|error| error.to_string().contains("no interrupted build")), "{place}");
+        assert_eq!(disk.get(&beside(path, ".partial")), Some(foreign), "{place}");
     }
     assert!(cases.len() > 10_000, "{}", cases.len());
     for (row, (partial, log, blocks)) in cases.into_iter().enumerate() {
