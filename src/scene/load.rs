@@ -326,8 +326,8 @@ impl Pile {
         Ok(())
     }
 
-    /// Returns the plane of a scene whose files have no ground around it and the number of its material, and
-    /// reports it.
+    /// Returns the plane of a scene whose files have no ground around it and the number of its
+    /// material, and reports it.
     fn assume_ground(&mut self, palette: &mut Palette) -> Option<(EndlessGround, u32)> {
         let Pile { positions, triangles, objects, models, report, names, notes, .. } = self;
         let of_model = |i: &usize| models.iter().any(|model| model.triangles.contains(i));

@@ -24,7 +24,7 @@ fn started(folder: &Folder, arguments: &str) -> Child {
     command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("a program")
 }
 
-/// Of two runs into one table with different columns, in 6 races, the table and the metadata
+/// Two runs write one table with different columns, in 6 races: the table and the metadata
 /// beside it are those of one run, 0 other files stay, and a run that did not write says so with
 /// exit code 2.
 #[test]
@@ -55,8 +55,8 @@ fn two_runs_into_one_table_leave_files_of_one() {
     }
 }
 
-/// 5 command lines that name one file twice are refused, in other spellings too; the files that they
-/// would have replaced keep their bytes.
+/// 5 command lines that name one file twice are refused, in other spellings too; the files that
+/// they would have replaced keep their bytes.
 #[test]
 fn one_file_is_not_two() {
     let folder = Folder::new();

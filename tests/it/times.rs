@@ -87,7 +87,8 @@ fn a_typical_year_is_put_into_one_year_on_request() {
 /// refused, 3 of 3.
 #[test]
 fn leap_days_are_left_out_of_other_years() {
-    let leap = epw("40,-105,-7", &days(2020, 0), |_, _| [9999.0, 0.0, 10.0]);
+    let leap =
+        epw("40,-105,-7", &days(2020, 0), |_, hour| [9999.0, 0.0, if (9..15).contains(&hour) { 10.0 } else { 0.0 }]);
     let (rows, said) = replay(&leap, "--year 2019");
     assert_eq!(rows.keys().filter(|(_, id)| id == "up").count(), 8760);
     assert!(

@@ -25,6 +25,8 @@ static INPUTS: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 pub(super) struct Claim {
     path: PathBuf,
     lock: FileLock,
+    /// Folders around the output that were created for the lock, innermost first.
+    around: Vec<PathBuf>,
 }
 
 impl Claim {
@@ -38,11 +40,19 @@ impl Claim {
         }
     }
 
-    /// Claims a folder, which need not exist.
+    /// Claims a folder, which need not exist, and creates the folders around it.
     fn of_folder(output: &Path) -> Result<Claim> {
         let beside = lock_of(output);
+        let missing = |path: &&Path| !path.as_os_str().is_empty() && !path.exists();
+        let around: Vec<PathBuf> = output.ancestors().skip(1).take_while(missing).map(Path::to_path_buf).collect();
+        if let Some(innermost) = around.first() {
+            fs::create_dir_all(innermost).map_err(Error::io(output, "create"))?;
+        }
         match Claim::at(&beside) {
-            Ok(claim) => Ok(claim),
+            Ok(mut claim) => {
+                claim.around = around;
+                Ok(claim)
+            }
             Err(ClaimError::Held) => Err(held(output)),
             // The folder can be written and the one around it cannot.
             Err(ClaimError::Io(_)) if output.is_dir() => match Claim::at(&output.join(".lock")) {
@@ -64,7 +74,7 @@ impl Claim {
             let Some(lock) = FileLock::try_new(file)? else { return Err(ClaimError::Held) };
             let borrowed: &File = std::borrow::Borrow::borrow(&lock);
             if is_named(borrowed, path).map_err(|_| io::Error::from(io::ErrorKind::NotFound))? {
-                return Ok(Claim { path: path.to_path_buf(), lock });
+                return Ok(Claim { path: path.to_path_buf(), lock, around: Vec::new() });
             }
         }
         Err(ClaimError::Held)
@@ -73,10 +83,14 @@ impl Claim {
 
 impl Drop for Claim {
     /// Removes the lock file while it is locked. A file of this name with content is the user's.
+    /// Folders that were created and stayed empty go, too.
     fn drop(&mut self) {
         let file: &File = std::borrow::Borrow::borrow(&self.lock);
         if file.metadata().is_ok_and(|about| about.len() == 0) {
             let _ = fs::remove_file(&self.path);
+        }
+        for folder in &self.around {
+            let _ = fs::remove_dir(folder);
         }
     }
 }
@@ -95,7 +109,7 @@ impl From<io::Error> for ClaimError {
 
 /// Output of a run.
 #[derive(Clone, Debug)]
-pub struct Output {
+pub struct ClaimedOutput {
     path: PathBuf,
     /// Files that the run writes: the output and what stands beside it, or names in a folder.
     files: Vec<PathBuf>,
@@ -110,11 +124,11 @@ enum OutputKind {
     Shared,
 }
 
-impl Output {
+impl ClaimedOutput {
     /// Returns a file that is written with `beside` beside it.
     pub fn file(path: &Path, beside: Vec<PathBuf>) -> Self {
         let files = [vec![path.to_path_buf()], beside].concat();
-        Output { path: path.to_path_buf(), files, kind: OutputKind::File }
+        ClaimedOutput { path: path.to_path_buf(), files, kind: OutputKind::File }
     }
 
     /// Returns an archive, with the names that its writer uses until it is complete.
@@ -125,18 +139,18 @@ impl Output {
             PathBuf::from(name)
         };
         let files = vec![path.to_path_buf(), beside(".partial"), beside(".partial.log")];
-        Output { path: path.to_path_buf(), files, kind: OutputKind::Shared }
+        ClaimedOutput { path: path.to_path_buf(), files, kind: OutputKind::Shared }
     }
 
     /// Returns a folder of one run, in which it writes files of these names.
     pub fn folder(path: &Path, names: &[&str]) -> Self {
         let files = names.iter().map(|name| path.join(name)).collect();
-        Output { path: path.to_path_buf(), files, kind: OutputKind::Folder }
+        ClaimedOutput { path: path.to_path_buf(), files, kind: OutputKind::Folder }
     }
 
     /// Returns a folder that runs share.
     pub fn shared(path: &Path) -> Self {
-        Output { path: path.to_path_buf(), files: Vec::new(), kind: OutputKind::Shared }
+        ClaimedOutput { path: path.to_path_buf(), files: Vec::new(), kind: OutputKind::Shared }
     }
 }
 
@@ -151,7 +165,7 @@ pub struct OutputGuard {
 impl OutputGuard {
     /// Compares the outputs of a run with its inputs and with each other, by what they are, and
     /// claims them.
-    pub fn new(inputs: &[&Path], outputs: &[Output]) -> Result<Self> {
+    pub fn new(inputs: &[&Path], outputs: &[ClaimedOutput]) -> Result<Self> {
         let mut before: Vec<&Path> = Vec::new();
         for output in outputs {
             for file in &output.files {
@@ -165,7 +179,7 @@ impl OutputGuard {
             before.extend(output.files.iter().map(PathBuf::as_path));
         }
         let mut guard = OutputGuard { claims: Vec::new(), claimed: Vec::new(), inputs: Vec::new() };
-        for Output { path, kind, .. } in outputs {
+        for ClaimedOutput { path, kind, .. } in outputs {
             let claim = match kind {
                 OutputKind::File => Claim::of_file(path)?,
                 OutputKind::Folder => Claim::of_folder(path)?,
@@ -291,15 +305,15 @@ fn list(of: &'static Mutex<Vec<PathBuf>>) -> MutexGuard<'static, Vec<PathBuf>> {
 mod tests {
     use super::*;
 
-    fn said(inputs: &[&Path], outputs: &[Output]) -> String {
+    fn said(inputs: &[&Path], outputs: &[ClaimedOutput]) -> String {
         OutputGuard::new(inputs, outputs).err().map_or(String::new(), |error| error.to_string())
     }
 
     /// An output is refused that is an input, or another output, in 7 spellings: plain, with a dot,
-    /// through a link, through a linked folder, by a hard link, absent twice, and as the file beside
-    /// a table. Names of their own are not refused.
-    #[cfg(unix)]
+    /// through a link, through a linked folder, by a hard link, absent twice, and as the file
+    /// beside a table. Names of their own are not refused.
     #[test]
+    #[cfg(unix)]
     fn outputs_are_compared_by_what_they_are() {
         let folder = tempfile::tempdir().expect("a folder");
         let at = |name: &str| folder.path().join(name);
@@ -308,13 +322,13 @@ mod tests {
         std::os::unix::fs::symlink(at("a.csv"), at("link.csv")).expect("a link");
         std::os::unix::fs::symlink(folder.path(), at("d/up")).expect("a link");
         fs::hard_link(at("a.csv"), at("hard.csv")).expect("a link");
-        let one = |name: &str| vec![Output::file(&at(name), Vec::new())];
+        let one = |name: &str| vec![ClaimedOutput::file(&at(name), Vec::new())];
         for name in ["a.csv", "./a.csv", "link.csv", "d/up/a.csv", "hard.csv"] {
             assert!(said(&[&at("a.csv")], &one(name)).contains("is also an input"), "{name}");
         }
         let two = [one("new.csv"), one("d/up/new.csv")].concat();
         assert!(said(&[], &two).contains("is named for two outputs"));
-        let beside = Output::file(&at("t.csv"), vec![at("t.csv-metadata.json")]);
+        let beside = ClaimedOutput::file(&at("t.csv"), vec![at("t.csv-metadata.json")]);
         assert!(said(&[], &[beside, one("t.csv-metadata.json").remove(0)]).contains("two outputs"));
         assert_eq!(said(&[&at("a.csv")], &[one("b.csv"), one("B.csv"), one("d/b.csv")].concat()), "");
     }
@@ -325,7 +339,7 @@ mod tests {
     fn a_folder_belongs_to_one_run() {
         let folder = tempfile::tempdir().expect("a folder");
         let output = folder.path().join("out");
-        let outputs = [Output::folder(&output, &["a.csv"])];
+        let outputs = [ClaimedOutput::folder(&output, &["a.csv"])];
         let guard = OutputGuard::new(&[], &outputs).expect("claimed");
         assert!(is_claimed(&output.join("b/c.csv")) && !is_claimed(&folder.path().join("c.csv")));
         assert!(said(&[], &outputs).contains("is being written by another run"));

@@ -177,8 +177,8 @@ mod tests {
         assert_eq!(names(folder.path()), [kept[0], kept[1], "a.csv", kept[2]]);
     }
 
-    /// Of two writers of one name at a time the second is refused, 2 of 2 in this process; once the
-    /// first is done the name is free.
+    /// A second writer of a name is refused while the first has it, 2 of 2 in this process; once
+    /// the first is done the name is free.
     #[test]
     fn one_writer_has_a_name_at_a_time() {
         let folder = tempfile::tempdir().expect("a folder");

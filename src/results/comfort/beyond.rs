@@ -73,7 +73,7 @@ mod tests {
     use super::*;
     use heliotile_core::comfort::people::light::BeyondIndex;
 
-    /// Of three hours beyond the UTCI at two points, one of which lasts half an hour, 2.5 h are
+    /// Three intervals lie beyond the UTCI at two points, one of half an hour: 2.5 h are
     /// counted and 2 of them lie above 32 C; the missing value becomes its bound.
     #[test]
     fn hot_hours_are_counted_with_their_bounds() {

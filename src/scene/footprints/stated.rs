@@ -395,8 +395,8 @@ mod tests {
     }
 
     /// Where a column holds 0, -1, -9999 or 9999, the next source counts: 12 m by four storeys, 9 m
-    /// by three, 15 m as asked; without another source there is no height. 30.48 m are 100 of a file
-    /// in feet, and 100 of a column in metres stay 100 m.
+    /// by three, 15 m as asked; without another source there is no height. 30.48 m are 100 of a
+    /// file in feet, and 100 of a column in metres stay 100 m.
     #[test]
     fn a_height_that_is_not_known_falls_through_to_the_next_source() {
         let usual = FootprintOptions::default();
@@ -421,7 +421,7 @@ mod tests {
         }
     }
 
-    /// Of six features of OpenStreetMap one is a building and one a roof from 4.9 to 5 m without
+    /// Among six features of OpenStreetMap one is a building and one a roof from 4.9 to 5 m without
     /// walls; a wood, a hedge, a park and a demolished house are none. A shop whose land use is
     /// stated stays a building.
     #[test]

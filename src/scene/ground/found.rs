@@ -68,8 +68,8 @@ pub(crate) fn lies_free(
 }
 
 /// Returns true if ground covers most of the open plan in and around the box of the triangles that
-/// stand, and its highest open point lies at most `DETACHED_M` below the lowest of them. Floors below
-/// roofs are not open. Without standing triangles the ground is the scene.
+/// stand, and its highest open point lies at most `DETACHED_M` below the lowest of them. Floors
+/// below roofs are not open. Without standing triangles the ground is the scene.
 pub(crate) fn surrounds(
     ground: impl Iterator<Item = Corners> + Clone,
     standing: impl Iterator<Item = Corners> + Clone,
@@ -194,7 +194,8 @@ mod tests {
 
     /// A house of 10 x 10 x 8 m: a lawn with a rim of 20 m surrounds it; a road beside it, a
     /// manhole and a plate with a rim of 1 m do not, nor does land that lies 40 m below it, with or
-    /// without the floor of the house: 5 of 6 do not. Ground on which nothing stands surrounds itself.
+    /// without the floor of the house: 5 of 6 do not. Ground on which nothing stands surrounds
+    /// itself.
     #[test]
     fn a_road_or_a_manhole_does_not_surround_a_house() {
         let wall = [DVec3::ZERO, DVec3::new(10., 0., 0.), DVec3::new(0., 0., 8.)];

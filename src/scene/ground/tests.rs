@@ -64,9 +64,9 @@ fn a_scene_without_ground_gets_a_plane() {
     assert_eq!(plane(&Scene::load(&bare, None).expect("a scene")), (2.0, None));
 }
 
-/// A road beside a box, a road 40 m below it and wide land 40 m below it do not surround it: a plane
-/// lies 1 cm below the feet of the box, at 2 m, and the warning says so. Before, the road took the
-/// plane away, and walls got 785 of 912 kWh/m2.
+/// A road beside a box, a road 40 m below it and wide land 40 m below it do not surround it: a
+/// plane lies 1 cm below the feet of the box, at 2 m, and the warning says so. Before, the road
+/// took the plane away, and walls got 785 of 912 kWh/m2.
 #[test]
 fn a_road_does_not_take_the_plane_away() {
     let folder = Folder::new();

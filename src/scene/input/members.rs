@@ -22,8 +22,8 @@ const MOST_UTF_16: u64 = 1 << 30;
 const UNPACK: &str = "unpack it and give its files, or their folder";
 
 /// Passes the bytes of a file, or of each file of a zip with the wanted ending, to `take`. Of a zip
-/// with themes in the folder `udx` those in `themes` are passed, or, if that is empty, those of what
-/// stands on the ground. Returns the themes that were left out.
+/// with themes in the folder `udx` those in `themes` are passed, or, if that is empty, those of
+/// what stands on the ground. Returns the themes that were left out.
 pub(crate) fn each(
     path: &Path,
     endings: &[&str],

@@ -71,9 +71,9 @@ const BUILT: [&str; 22] = [
 ];
 
 /// Returns the class of a material that does not state one. It is ground if the name, in lower
-/// case, ends with "relief" or contains a part of `GROUND`, or has a word of `GROUND_WORDS` and none
-/// of `BUILT`; words end where letters end and before capitals. `class = "obstruction"` corrects a
-/// "background".
+/// case, ends with "relief" or contains a part of `GROUND`, or has a word of `GROUND_WORDS` and
+/// none of `BUILT`; words end where letters end and before capitals. `class = "obstruction"`
+/// corrects a "background".
 pub fn class_of_name(name: &str) -> Class {
     let lower = name.to_lowercase();
     if lower.ends_with("relief") || GROUND.iter().any(|part| lower.replace("broad", "").contains(part)) {

@@ -2,8 +2,9 @@
 //! UTC.
 
 use crate::weather::formats::date_text::parse_date;
-use crate::weather::options::{DateOrder, parse_zone};
+use crate::weather::options::DateOrder;
 use crate::weather::time::calendar::Date;
+use crate::weather::time::utc_offset::parse_zone;
 
 /// Advice on how to write time stamps.
 pub const STAMPS: &str = "write 2021-06-01T12:30, with an offset such as +01:00 behind it if it is known";

@@ -11,9 +11,8 @@ use jiff::civil::DateTime;
 use jiff::tz::{AmbiguousOffset, Offset, TimeZone};
 use serde::{Deserialize, Serialize};
 
-use crate::weather::options::parse_zone;
 use crate::weather::time::calendar::Date;
-use crate::weather::time::utc_offset::UtcOffset;
+use crate::weather::time::utc_offset::{UtcOffset, parse_zone};
 
 /// Clock of a place.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

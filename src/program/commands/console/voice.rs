@@ -90,7 +90,8 @@ mod tests {
     use super::*;
     use heliotile_core::text::with_list;
 
-    /// Of a text with 9 control characters all but the tab and the end of its line are replaced.
+    /// A text with 9 control characters keeps the tab and the end of its line; all others are
+    /// replaced.
     #[test]
     fn control_characters_do_not_reach_the_terminal() {
         let text = "\u{1b}]0;title\u{7}\u{1b}[2J\u{9b}31m\ta\r\u{7f}\0\n";

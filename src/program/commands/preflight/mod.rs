@@ -8,7 +8,7 @@ use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 use crate::cli::{Command, RecombineArgs, SceneArgs, StudyCommand, TableArgs, YearArgs};
-use heliotile_builder::writing::claim::{Output, OutputGuard};
+use heliotile_builder::writing::claim::{ClaimedOutput, OutputGuard};
 use heliotile_builder::writing::copy::folder_of;
 use heliotile_builder::writing::guards::check_archive_name;
 use heliotile_core::error::{Error, Result};
@@ -58,21 +58,22 @@ pub fn check(command: &Command) -> Result<OutputGuard> {
         }
     })?;
     let inputs: Vec<&Path> = files.inputs.iter().map(|(path, _)| *path).filter(|path| !is_address(path)).collect();
-    let outputs: Vec<Output> = files.outputs.iter().filter_map(|(path, written)| output_of(path, written)).collect();
+    let outputs: Vec<ClaimedOutput> =
+        files.outputs.iter().filter_map(|(path, written)| output_of(path, written)).collect();
     OutputGuard::new(&inputs, &outputs)
 }
 
 /// Returns an output with all files that it consists of; `None` for standard output.
-fn output_of(path: &Path, written: &Written) -> Option<Output> {
+fn output_of(path: &Path, written: &Written) -> Option<ClaimedOutput> {
     match written {
-        Written::Archive => Some(Output::archive(path)),
-        Written::Folder(names) => Some(Output::folder(path, names)),
-        Written::SharedFolder => Some(Output::shared(path)),
+        Written::Archive => Some(ClaimedOutput::archive(path)),
+        Written::Folder(names) => Some(ClaimedOutput::folder(path, names)),
+        Written::SharedFolder => Some(ClaimedOutput::shared(path)),
         _ if path == Path::new("-") => None,
         Written::Table | Written::Results { .. } | Written::Csv => {
-            Some(Output::file(path, files_of(path).into_iter().skip(1).collect()))
+            Some(ClaimedOutput::file(path, files_of(path).into_iter().skip(1).collect()))
         }
-        Written::File => Some(Output::file(path, Vec::new())),
+        Written::File => Some(ClaimedOutput::file(path, Vec::new())),
     }
 }
 

@@ -93,8 +93,9 @@ fn level_of(name: &str) -> Option<Level> {
 mod tests {
     use super::*;
 
-    /// Of three layers the one of buildings is read, of three levels the finest solids or the one
-    /// that is asked for; a name that is asked for counts alone, and one that is missing is refused.
+    /// Among three layers the one of buildings is read, among three levels the finest solids or the
+    /// one that is asked for; a name that is asked for counts alone, and one that is missing is
+    /// refused.
     #[test]
     fn one_theme_and_one_level_of_a_file_are_read() {
         let read = |names: &[&str], asked: &[&str], lod: Option<&str>| {

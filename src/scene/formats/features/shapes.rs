@@ -13,11 +13,12 @@ use crate::text::excerpt;
 /// Most corners of one geometry: the coast of a country has fewer.
 const MOST_CORNERS: usize = 1 << 24;
 
-/// Angle of a side that replaces a piece of an arc, radians: 5 degrees, so that a disc loses 0.13 %.
+/// Angle of a side that replaces a piece of an arc, radians: 5 degrees, so that a disc loses 0.13
+/// %.
 const STROKE_RAD: f64 = PI / 36.0;
 
-/// Deepest nesting of collections: the crate `geozero` calls itself for each, and files that programs
-/// write have one or two.
+/// Deepest nesting of collections: the crate `geozero` calls itself for each, and files that
+/// programs write have one or two.
 const MOST_NESTED: usize = 32;
 
 /// Collector of the polygons of one geometry.

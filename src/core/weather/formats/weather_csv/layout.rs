@@ -22,7 +22,8 @@ use crate::text::excerpt;
 use crate::weather::formats::weather_csv::head::{Head, HeadLine, Kind, checked, split};
 use crate::weather::formats::weather_csv::names::squash;
 use crate::weather::formats::weather_csv::units::{Measure, parse_unit};
-use crate::weather::options::{StampedAt, parse_zone};
+use crate::weather::options::StampedAt;
+use crate::weather::time::utc_offset::parse_zone;
 
 /// Largest time offset, hours: satellites pass within the hour of a time stamp.
 const FARTHEST_OFFSET_HOURS: f64 = 1.0;

@@ -8,7 +8,8 @@ use crate::text::excerpt;
 use crate::weather::formats::stamp_text::{parse_clock, parse_stamp};
 use crate::weather::formats::weather_csv::head::{Head, Kind};
 use crate::weather::formats::weather_csv::names::squash;
-use crate::weather::options::{DateOrder, StampedAt, parse_zone};
+use crate::weather::options::{DateOrder, StampedAt};
+use crate::weather::time::utc_offset::parse_zone;
 
 /// Names of a column of whole stamps, squashed, the usual ones first.
 const TIME: &[&str] = &[
