@@ -8,6 +8,8 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::site::scene_object::SceneObject;
 use heliotile_core::text::counted;
 
+use crate::text::excerpt;
+
 /// Largest number of names that a message proposes.
 const PROPOSED: usize = 3;
 
@@ -30,7 +32,7 @@ impl<'a> ObjectNames<'a> {
         match self.0.get(name) {
             Some(found) => Ok(found.iter().copied().collect()),
             None => {
-                let what = format!("{} has no object or building `{name}`", file.display());
+                let what = format!("{} has no object or building `{}`", file.display(), excerpt(name.as_bytes()));
                 Err(Error::argument(field, what, format!("known names: {}", proposed(name, self.0.keys().copied()))))
             }
         }
@@ -43,7 +45,8 @@ pub(super) fn proposed<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> 
     let mut near: Vec<(usize, &str)> = known.map(|other| (apart(&lower, other), other)).collect();
     near.sort_unstable();
     near.dedup();
-    let words: Vec<String> = near.iter().take(PROPOSED).map(|(_, name)| format!("`{name}`")).collect();
+    let words: Vec<String> =
+        near.iter().take(PROPOSED).map(|(_, name)| format!("`{}`", excerpt(name.as_bytes()))).collect();
     match near.len() > PROPOSED {
         true => format!("{} and {}", words.join(", "), counted((near.len() - PROPOSED) as u64, "other")),
         false => words.join(", "),
