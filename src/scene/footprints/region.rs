@@ -98,6 +98,13 @@ pub(super) fn shared_m2(polygons: &[Vec<PlanRing>], others: &[Vec<PlanRing>]) ->
 }
 
 fn overlaid(polygons: &[Vec<PlanRing>], others: &[Vec<PlanRing>], rule: OverlayRule) -> Vec<Vec<PlanRing>> {
+    // Thousands of outlines may be stacked upon each other: each pair would cost microseconds.
+    match rule {
+        _ if polygons.is_empty() => return Vec::new(),
+        OverlayRule::Difference if polygons == others => return Vec::new(),
+        OverlayRule::Intersect if polygons == others => return polygons.to_vec(),
+        _ => {}
+    }
     let from = polygons.first().map_or(DVec2::ZERO, |polygon| origin_of(polygon));
     lifted(flat(polygons, from).overlay(&flat(others, from), rule, FillRule::NonZero), from)
 }
