@@ -66,7 +66,7 @@ pub(super) fn unpacked(mut file: File, path: &Path) -> Result<Box<dyn Read>> {
     let packed = head.starts_with(&MAGIC);
     if head == zip::MAGIC {
         file.read_to_end(&mut head).map_err(Error::io(path, "read"))?;
-        if let Some(single) = zip::single(&head, path)? {
+        if let Some(single) = zip::single(&head, head.len() as u64, path)? {
             return Ok(Box::new(Cursor::new(single.bytes)));
         }
     }

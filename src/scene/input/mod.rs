@@ -40,8 +40,10 @@ pub(crate) struct NamedBytes {
 
 /// Reads a file as [`read_as`] does, with the name of the file in a zip.
 pub(crate) fn read_named(path: &Path, action: &'static str) -> Result<NamedBytes> {
-    let bytes = gzip::unpack(fs::read(path).map_err(|source| refused(path, action, source))?, path)?;
-    Ok(match zip::single(&bytes, path)? {
+    let bytes = fs::read(path).map_err(|source| refused(path, action, source))?;
+    let packed = bytes.len() as u64;
+    let bytes = gzip::unpack(bytes, path)?;
+    Ok(match zip::single(&bytes, packed, path)? {
         Some(single) => NamedBytes { name: Some(single.name), bytes: single.bytes },
         None => NamedBytes { name: None, bytes },
     })

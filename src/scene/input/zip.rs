@@ -23,8 +23,9 @@ pub(super) struct Single {
 }
 
 /// Unpacks a zip of one file; `None` if the bytes are no zip. Folders and files that macOS adds do
-/// not count.
-pub(super) fn single(bytes: &[u8], file: &Path) -> Result<Option<Single>> {
+/// not count. `packed` is the length of the file on disk, which the limit is taken from: a zip in a
+/// gzip must not multiply the limits of both.
+pub(super) fn single(bytes: &[u8], packed: u64, file: &Path) -> Result<Option<Single>> {
     if !bytes.starts_with(MAGIC) {
         return Ok(None);
     }
@@ -50,7 +51,7 @@ pub(super) fn single(bytes: &[u8], file: &Path) -> Result<Option<Single>> {
     // The raw entry shows the packing method before anything is unpacked.
     let entry = zip.by_index_raw(*number).map_err(|error| damaged(&error))?;
     let known = [CompressionMethod::Stored, CompressionMethod::Deflated].contains(&entry.compression());
-    let (most, encrypted) = (most(entry.compressed_size().min(bytes.len() as u64)), entry.encrypted());
+    let (most, encrypted) = (most(entry.compressed_size().min(packed)), entry.encrypted());
     drop(entry);
     if encrypted || !known {
         return Err(refuse(format!("`{shown}` in the zip is encrypted or packed by another method than Deflate")));
@@ -151,7 +152,7 @@ pub(super) mod tests {
         let (file, text) = (Path::new("a.zip"), b"v 0 0 0\n".repeat(100));
         for method in [CompressionMethod::Stored, CompressionMethod::Deflated] {
             let zip = zipped(&[("in/", b""), ("in/a.obj", &text), ("__MACOSX/in/._a.obj", b"x")], method);
-            let found = single(&zip, file).expect("readable").expect("a zip");
+            let found = single(&zip, zip.len() as u64, file).expect("readable").expect("a zip");
             assert_eq!((found.name.as_str(), found.bytes.len()), ("in/a.obj", 800));
         }
         for (names, said) in [
@@ -159,10 +160,10 @@ pub(super) mod tests {
             (["[Content_Types].xml", "xl/workbook.xml"], "is a workbook or document of an office program"),
         ] {
             let zip = zipped(&names.map(|name| (name, &b"1"[..])), CompressionMethod::Deflated);
-            let message = single(&zip, file).err().expect("no single file").to_string();
+            let message = single(&zip, zip.len() as u64, file).err().expect("no single file").to_string();
             assert!(message.contains(said), "{message}");
         }
-        assert!(single(b"v 0 0 0", file).expect("plain").is_none());
+        assert!(single(b"v 0 0 0", 7, file).expect("plain").is_none());
     }
 
     /// A zip that is cut off after any of its bytes, or has any byte inverted, is refused or still
@@ -176,7 +177,7 @@ pub(super) mod tests {
             let mut bytes = whole.clone();
             bytes[at] ^= 0xff;
             for bytes in [&whole[..at], &bytes] {
-                match single(bytes, Path::new("a.zip")) {
+                match single(bytes, bytes.len() as u64, Path::new("a.zip")) {
                     Ok(Some(found)) => assert_eq!(found.bytes.len(), 800),
                     Ok(None) => {}
                     Err(_) => refused += 1,
