@@ -5,6 +5,7 @@
 //! The first bytes decide whether a file is packed, not its name: programs that fetch files unpack
 //! some and keep the name, or the reverse.
 
+pub(crate) mod budget;
 mod gzip;
 pub(crate) mod members;
 mod missing;

@@ -15,7 +15,7 @@ use crate::formats::citygml::store::Store;
 use crate::formats::cityjson::document::{CityObject, Document, Semantics, Shape, SurfaceKind, Text};
 use crate::formats::cityjson::nested::Nested;
 use crate::formats::cityjson::objects::Reader;
-use crate::formats::cityjson::templates::MAX_CORNERS;
+use crate::formats::cityjson::templates::{CORNER_BYTES, MAX_CORNERS};
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
 
@@ -89,7 +89,9 @@ pub(super) fn add(reader: &mut Reader, levels: &mut Levels, draft: Draft) -> Res
 fn count_instances(reader: &mut Reader, store: &Store, features: &[Feature]) -> Result<()> {
     for piece in features.iter().flat_map(|feature| &feature.pieces).filter(|piece| piece.instance.is_some()) {
         let sides = follow(store, piece.members.clone()).sides;
-        reader.instanced += sides.iter().map(|side| store.corners_of(side.polygon)).sum::<u64>();
+        let corners = sides.iter().map(|side| store.corners_of(side.polygon)).sum::<u64>();
+        reader.budget.spend(corners, CORNER_BYTES, "instances of templates", reader.file)?;
+        reader.instanced += corners;
     }
     if reader.instanced <= MAX_CORNERS {
         return Ok(());

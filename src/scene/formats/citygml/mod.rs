@@ -54,6 +54,7 @@ use crate::formats::cityjson::objects::Reader;
 use crate::formats::cityjson::{finish, level};
 use crate::geometry::Geometry;
 use crate::input;
+use crate::input::budget::WorkBudget;
 use coordinates::Coordinates;
 use heliotile_core::error::Result;
 use heliotile_core::text::with_list;
@@ -99,6 +100,7 @@ fn read_all(path: &Path, asked: &Asked, open: &dyn Fn(&mut Opener) -> Result<()>
             objects: 0,
             levels: BTreeSet::new(),
             instanced: 0,
+            budget: WorkBudget::of_file(path),
             skipped: Vec::new(),
             mend: MEND,
         },

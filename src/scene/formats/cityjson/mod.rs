@@ -26,6 +26,7 @@ use std::path::Path;
 use crate::formats::Asked;
 use crate::geometry::Geometry;
 use crate::input;
+use crate::input::budget::WorkBudget;
 use crate::text::{excerpt, without_byte_order_mark};
 use answers::Answer;
 use document::{Document, Lod};
@@ -133,6 +134,7 @@ impl<'a> Header<'a> {
             objects: 0,
             levels: BTreeSet::new(),
             instanced: 0,
+            budget: WorkBudget::of_file(file),
             skipped: Vec::new(),
             mend: MEND,
         }

@@ -12,8 +12,9 @@ use crate::formats::cityjson::parents::Parents;
 use crate::formats::cityjson::surfaces::{
     INNER, VIRTUAL, by_tilt, depth_of, is_building, is_hull, kind_of, plain, semantic,
 };
-use crate::formats::cityjson::templates::{MAX_CORNERS, Template, matrix};
+use crate::formats::cityjson::templates::{CORNER_BYTES, MAX_CORNERS, Template, matrix};
 use crate::geometry::Geometry;
+use crate::input::budget::WorkBudget;
 use crate::semantics::{FaceNote, FaceSource};
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
@@ -45,6 +46,8 @@ pub(in crate::formats) struct Reader<'f, 'h> {
     pub levels: BTreeSet<Lod>,
     /// Corners of all template instances.
     pub instanced: u64,
+    /// Memory that instances may take.
+    pub budget: WorkBudget,
     /// Errors of objects that are left out.
     pub skipped: Vec<Error>,
     /// Hint on how to repair a damaged file of the format.
@@ -146,7 +149,9 @@ impl<'h> Reader<'_, 'h> {
     /// first instance is made.
     fn count_instances(&mut self, chosen: &[Offers]) -> Result<()> {
         let instances = chosen.iter().flatten().filter_map(|offer| self.template(offer.shape));
-        self.instanced += instances.map(|template| template.corners).sum::<u64>();
+        let corners = instances.map(|template| template.corners).sum::<u64>();
+        self.budget.spend(corners, CORNER_BYTES, "instances of templates", self.file)?;
+        self.instanced += corners;
         if self.instanced > MAX_CORNERS {
             return Err(Error::Limit {
                 what: format!("the number of corners of instances of templates in {}", self.file.display()),

@@ -10,6 +10,9 @@ use crate::formats::cityjson::surfaces::depth_of;
 /// memory. A million trees of a hundred corners fit.
 pub(in crate::formats) const MAX_CORNERS: u64 = 1 << 27;
 
+/// Memory that a corner of an instance takes, bytes.
+pub(in crate::formats) const CORNER_BYTES: u64 = 80;
+
 /// A template whose boundaries refer to its own `vertices`.
 #[derive(Debug)]
 pub(in crate::formats) struct Template<'a> {

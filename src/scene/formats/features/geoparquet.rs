@@ -15,6 +15,7 @@ use super::feature::{Feature, TakeFeature};
 use super::shapes::{Shapes, unreadable};
 use super::system::FeatureSystem;
 use crate::epsg_numbers::{Axes, epsg_numbers_in};
+use crate::input::budget::WorkBudget;
 use crate::text::excerpt;
 
 /// Deepest nesting of structures that is read: Overture has three.
@@ -31,6 +32,7 @@ pub(super) fn read(bytes: Vec<u8>, file: &Path, take: &mut TakeFeature) -> Resul
         let what = format!("the file cannot be read as Parquet: {}", excerpt(text.as_bytes()));
         Error::input(file, None, what, "download or export the file again: it is damaged or cut off")
     };
+    let mut budget = WorkBudget::of(bytes.len() as u64);
     let reader = SerializedFileReader::new(bytes::Bytes::from(bytes)).map_err(wrong)?;
     let metadata = reader.metadata().file_metadata();
     let geo = metadata.key_value_metadata().into_iter().flatten().find(|entry| entry.key == "geo");
@@ -46,7 +48,9 @@ pub(super) fn read(bytes: Vec<u8>, file: &Path, take: &mut TakeFeature) -> Resul
         return Err(Error::input(file, None, what, "write it with WKB, the usual encoding of GeoParquet"));
     }
     for row in reader.get_row_iter(None).map_err(wrong)? {
-        take(feature(&row.map_err(wrong)?, &column))?;
+        let feature = feature(&row.map_err(wrong)?, &column);
+        feature.charge(&mut budget, file)?;
+        take(feature)?;
     }
     Ok(match about.get("crs") {
         // Longitude and latitude are the default (GeoParquet 1.1.0, "crs").

@@ -70,6 +70,20 @@ enum Bytes<'r> {
 }
 
 impl<'r> Buffers<'r> {
+    /// Returns the number of bytes of all buffers, each file once.
+    pub(super) fn length(&self) -> u64 {
+        let mut files: Vec<*const Vec<u8>> = Vec::new();
+        let each = self.bytes.iter().flatten().map(|bytes| match bytes {
+            Bytes::Chunk(chunk) => chunk.len() as u64,
+            Bytes::Read(read) if files.contains(&Rc::as_ptr(read)) => 0,
+            Bytes::Read(read) => {
+                files.push(Rc::as_ptr(read));
+                read.len() as u64
+            }
+        });
+        each.sum()
+    }
+
     /// Reads all buffers, every file once.
     pub(super) fn read(root: &'r Root, chunk: Option<&'r [u8]>, file: &'r Path) -> Result<Self> {
         let mut files: HashMap<PathBuf, Rc<Vec<u8>>> = HashMap::new();

@@ -24,12 +24,17 @@ use crate::formats::gltf::instances::placements;
 use crate::formats::gltf::json::{Mesh, Node, Primitive, Root, may_hold_geometry, unreadable};
 use crate::formats::gltf::materials::Materials;
 use crate::geometry::Geometry;
+use crate::input::budget::WorkBudget;
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
 
 /// Most triangles of all instances together, about 10 GB of memory: a small file may place a large
 /// mesh any number of times.
 const MAX_TRIANGLES: u64 = if cfg!(test) { 100_000 } else { 100_000_000 };
+
+/// Memory that a triangle takes, and that a use of a primitive takes, bytes.
+const TRIANGLE_BYTES: u64 = 100;
+const PRIMITIVE_BYTES: u64 = 64;
 
 const HINT: &str = "export it again, or check it with a glTF validator";
 
@@ -47,6 +52,7 @@ pub(super) fn parse(bytes: &[u8], file: &Path, asked: &Asked) -> Result<Geometry
         slots: Vec::new(),
         round: 0,
         triangles: 0,
+        budget: WorkBudget::of(bytes.len() as u64 + buffers.length()),
         unmoved: (0, 0),
     };
     reader.geometry.warnings.extend(ignored);
@@ -65,6 +71,7 @@ struct Reader<'r> {
     slots: Vec<(u32, u32)>,
     round: u32,
     triangles: u64,
+    budget: WorkBudget,
     /// Numbers of nodes with skins and of primitives with morph targets, which are read in their
     /// stored pose.
     unmoved: (usize, usize),
@@ -160,6 +167,12 @@ impl<'r> Reader<'r> {
     fn add_mesh(&mut self, index: usize, node: &Node, mesh: &Mesh, placed: DAffine3) -> Result<()> {
         let named = |name: &Option<String>| name.clone().filter(|name| !name.is_empty());
         let name = named(&node.name).or_else(|| named(&mesh.name)).unwrap_or_else(|| format!("node_{index}"));
+        let instances = match &node.extensions.instancing {
+            Some(instancing) => Some(placements(&instancing.attributes, self.buffers, self.file, index)?),
+            None => None,
+        };
+        let uses = mesh.primitives.len() as u64 * instances.as_ref().map_or(1, Vec::len) as u64;
+        self.budget.spend(uses, PRIMITIVE_BYTES, "instances of meshes", self.file)?;
         for primitive in &mesh.primitives {
             if !(4..=6).contains(&primitive.mode.unwrap_or(4)) {
                 self.geometry.leave_out("because they are points or lines");
@@ -167,8 +180,7 @@ impl<'r> Reader<'r> {
                 self.unmoved.1 += usize::from(!primitive.targets.is_empty());
             }
         }
-        let Some(instancing) = &node.extensions.instancing else { return self.add_primitives(&name, mesh, placed) };
-        let instances = placements(&instancing.attributes, self.buffers, self.file, index)?;
+        let Some(instances) = instances else { return self.add_primitives(&name, mesh, placed) };
         let single = instances.len() == 1;
         for (i, instance) in (1..).zip(instances) {
             let name = if single { name.clone() } else { format!("{name}_{i}") };
@@ -231,6 +243,7 @@ impl<'r> Reader<'r> {
                 max: MAX_TRIANGLES,
             });
         }
+        self.budget.spend(triangles as u64, TRIANGLE_BYTES, "instances of meshes", self.file)?;
         self.round += 1;
         let longest = self.slots.len().max(positions.count);
         self.slots.resize(longest, (0, 0));
