@@ -25,6 +25,8 @@ mod ahead;
 pub mod cache;
 pub mod download;
 pub mod failure;
+#[cfg(test)]
+mod liar_tests;
 pub mod listing;
 pub mod object;
 mod opening;

@@ -5,6 +5,7 @@ use std::ops::Range;
 use std::time::Instant;
 
 use bytes::{Bytes, BytesMut};
+use futures_util::StreamExt;
 use object_store::{GetOptions, GetRange, GetResult, ObjectMeta, ObjectStoreExt};
 use tokio::sync::{Semaphore, SemaphorePermit};
 
@@ -73,7 +74,10 @@ impl Object {
             result = match get(place, options).await {
                 Ok(answer) => {
                     let (version, range) = (Version::of(&answer.meta), answer.range.clone());
-                    let bytes = body(answer, &range).await;
+                    let bytes = match check_length(&range, &first) {
+                        Ok(()) => body(answer, &range).await,
+                        Err(failure) => Err(failure),
+                    };
                     bytes.map(|bytes| (Object { place: place.clone(), version }, bytes))
                 }
                 Err(failure) => Err(failure),
@@ -182,16 +186,41 @@ async fn get(place: &Locator, options: GetOptions) -> Result<GetResult, Failure>
     place.store.get_opts(&place.path, options).await.map_err(|error| Failure::of(&error))
 }
 
-/// Reads the body of an answer and checks that it is as long as the range.
+/// Reads the body of an answer and checks that it is as long as the range. Reading ends where the
+/// server sends more: what it states and what it sends may both be without end.
 async fn body(answer: GetResult, range: &Range<u64>) -> Result<Bytes, Failure> {
     let expected = range.end.saturating_sub(range.start);
-    let bytes = answer.bytes().await.map_err(|error| Failure::of(&error))?;
-    traffic::received(bytes.len());
-    if bytes.len() as u64 != expected {
+    let mut bytes = BytesMut::new();
+    let mut stream = answer.into_stream();
+    while let Some(piece) = stream.next().await {
+        let piece = piece.map_err(|error| Failure::of(&error))?;
+        traffic::received(piece.len());
+        if (bytes.len() + piece.len()) as u64 > expected {
+            let what = format!("its server sends more than the {expected} bytes that were requested");
+            return Err(Failure::new(Cause::Refused, what));
+        }
+        bytes.extend_from_slice(&piece);
+    }
+    if (bytes.len() as u64) < expected {
         let what = format!("was cut off: {} of {expected} bytes came", bytes.len());
         return Err(Failure::new(Cause::Passing, what));
     }
-    Ok(bytes)
+    Ok(bytes.freeze())
+}
+
+/// Checks that the range that a server states is not longer than the requested one.
+fn check_length(stated: &Range<u64>, requested: &GetRange) -> Result<(), Failure> {
+    let most = match requested {
+        GetRange::Bounded(range) => range.end.saturating_sub(range.start),
+        GetRange::Suffix(length) => *length,
+        GetRange::Offset(_) => u64::MAX,
+    };
+    let length = stated.end.saturating_sub(stated.start);
+    if length > most {
+        let what = format!("its server states {length} bytes where {most} were requested");
+        return Err(Failure::new(Cause::Refused, what));
+    }
+    Ok(())
 }
 
 /// Requests the metadata of an object, or returns `None` if it is not there.

@@ -10,6 +10,7 @@ use base64::engine::general_purpose::STANDARD;
 use heliotile_core::error::{Error, Result};
 use object_store::aws::AmazonS3Builder;
 use object_store::azure::MicrosoftAzureBuilder;
+use object_store::client::{HttpClient, HttpConnector};
 use object_store::gcp::GoogleCloudStorageBuilder;
 use object_store::http::HttpBuilder;
 use object_store::path::Path as ObjectPath;
@@ -126,14 +127,44 @@ fn provide_tls() {
     SAID.call_once(|| drop(rustls::crypto::ring::default_provider().install_default()));
 }
 
+/// Returns the time limit of a connection, for requests that may take `timeout`.
+fn connect_limit(timeout: Duration) -> Duration {
+    timeout.min(Duration::from_secs(10))
+}
+
+/// Maker of clients of web servers, which send no `Referer`: a signed address is a password, and a
+/// server that redirects would hand it to another host.
+#[derive(Debug)]
+struct WebConnector {
+    headers: HeaderMap,
+    timeout: Duration,
+}
+
+impl HttpConnector for WebConnector {
+    fn connect(&self, _: &ClientOptions) -> object_store::Result<HttpClient> {
+        let client = reqwest::ClientBuilder::new()
+            .user_agent(concat!("heliotile/", env!("CARGO_PKG_VERSION")))
+            .default_headers(self.headers.clone())
+            .referer(false)
+            .timeout(self.timeout)
+            .connect_timeout(connect_limit(self.timeout))
+            // A packed answer would have another length than the range.
+            .no_gzip()
+            .no_brotli()
+            .no_zstd()
+            .no_deflate();
+        let failed = |source| object_store::Error::Generic { store: "HTTP", source: Box::new(source) };
+        client.build().map(HttpClient::new).map_err(failed)
+    }
+}
+
 impl Locator {
     /// Makes a client; sends no request. An error: an invalid setting in the environment.
     pub fn connect(address: &Address, connection: Connection) -> Result<Self> {
         provide_tls();
         let failed = |error: object_store::Error| Failure::of_settings(&error).at(address);
         let timeout = connection.timeout;
-        let options =
-            ClientOptions::new().with_timeout(timeout).with_connect_timeout(timeout.min(Duration::from_secs(10)));
+        let options = ClientOptions::new().with_timeout(timeout).with_connect_timeout(connect_limit(timeout));
         let backoff = BackoffConfig {
             init_backoff: Duration::from_millis(100),
             max_backoff: Duration::from_secs(5),
@@ -179,7 +210,7 @@ impl Locator {
             Scheme::Web => {
                 let (url, headers) = with_header(url);
                 let builder = HttpBuilder::new().with_url(url).with_retry(retry);
-                let builder = builder.with_client_options(options.with_allow_http(true).with_default_headers(headers));
+                let builder = builder.with_http_connector(WebConnector { headers, timeout });
                 // The address is whole: its spelling and its query stay as they are.
                 (Arc::new(builder.build().map_err(failed)?), ObjectPath::default())
             }
