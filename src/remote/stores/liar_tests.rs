@@ -40,8 +40,8 @@ fn locator(port: u16, name: &str) -> Locator {
     Locator::connect(&address, Connection { timeout: Duration::from_secs(5) }).expect("a client")
 }
 
-/// A server states 1 TiB in its length, or a range of 1 TiB, or sends 64 MiB without a length, where
-/// 100 bytes were requested: 3 of 3 are refused after at most 4 MiB.
+/// A server states 1 TiB in its length, or a range of 1 TiB, or sends 64 MiB without a length,
+/// where 100 bytes were requested: 3 of 3 are refused after at most 4 MiB.
 #[test]
 fn answers_longer_than_requested_are_refused() {
     for fields in [
@@ -64,7 +64,8 @@ fn answers_longer_than_requested_are_refused() {
 /// `Referer`.
 #[test]
 fn redirects_do_not_pass_signed_addresses_on() {
-    let (other, seen) = server("HTTP/1.1 404 Not Found\r\nContent-Length: 0\r\nConnection: close\r\n\r\n".into(), false);
+    let (other, seen) =
+        server("HTTP/1.1 404 Not Found\r\nContent-Length: 0\r\nConnection: close\r\n\r\n".into(), false);
     let head = format!(
         "HTTP/1.1 302 Found\r\nLocation: http://localhost:{other}/b\r\nContent-Length: 0\r\nConnection: close\r\n\r\n"
     );

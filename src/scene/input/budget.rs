@@ -1,5 +1,5 @@
-//! Work that a file may expand to. In: the length of the file, and what a reader is about to make of
-//! it. Out: an error before a small file fills the memory.
+//! Work that a file may expand to. In: the length of the file, and what a reader is about to make
+//! of it. Out: an error before a small file fills the memory.
 
 use std::path::Path;
 

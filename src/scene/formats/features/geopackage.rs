@@ -24,7 +24,6 @@ use super::layers;
 use super::shapes::{Shapes, unreadable};
 use super::system::FeatureSystem;
 use crate::formats::Asked;
-use crate::input::budget::WorkBudget;
 use crate::text::excerpt;
 
 /// Longest text, geometry or row, bytes: a geometry of 5 million corners.
@@ -200,7 +199,6 @@ fn read_table(
     let query = format!("SELECT {columns} FROM {} NOT INDEXED", quoted(&table.name));
     let mut query = database.connection.prepare(&query).map_err(wrong)?;
     let mut rows = query.query([]).map_err(wrong)?;
-    let mut budget = WorkBudget::of_file(file);
     while let Some(row) = rows.next().map_err(wrong)? {
         database.kilosteps.store(0, Ordering::Relaxed);
         let mut feature = Feature::default();
@@ -224,7 +222,6 @@ fn read_table(
             }
         }
         feature.attributes = attributes;
-        feature.charge(&mut budget, file)?;
         take(feature)?;
     }
     Ok(computed)
