@@ -91,6 +91,24 @@ fn hours_add_up_to_months_and_months_to_the_year() {
     assert_eq!(reader.metadata().file_metadata().num_rows(), 3 * 72);
 }
 
+/// An upright module on a plain gets half of an even sky and half of what the ground reflects: 0.36
+/// of 0.6 kWh/m2 with the usual 0.2, 0.48 with the albedo of 0.6 of the weather file, within 1 %.
+#[test]
+fn snow_takes_the_albedo_of_the_weather() {
+    let folder = Folder::new();
+    let rows = EVEN.lines().skip(1).map(|row| format!("{row},0.6\n")).collect::<String>();
+    folder.write("even.csv", &format!("time,ghi,dni,dhi,albedo\n{rows}"));
+    folder.write("far.obj", "v 4000 4000 0\nv 4001 4000 0\nv 4000 4000 1\nusemtl far\nf 1 2 3\n");
+    folder.write("points.csv", "point,x,y,z,tilt,azimuth\nupright,0,0,1,90,180\n");
+    for (option, right) in [("", 0.36), ("--snow albedo", 0.48)] {
+        let command =
+            format!("pv far.obj -w even.csv {PLACE} --points points.csv --sky uniform --replace -o out {option}");
+        good(&folder, &command);
+        let total = number(&table(&folder, "out/points.csv")[0], "total_kwh_m2");
+        assert!((total / right - 1.0).abs() < 0.01, "{option}: {total}");
+    }
+}
+
 /// 10 m south of the middle of a cube's wall, at its foot, the horizon is 45 degrees in the north
 /// and 0 in the south, in PVGIS's format: 360 lines of one number. The table has pvlib's columns.
 /// If y points 30 degrees east of north the wall is at 30 degrees.

@@ -308,6 +308,8 @@ fn schedule(changeable: &Changeable, members: Vec<usize>, values: Vec<f64>) -> R
     Ok(Schedule { materials: members, values })
 }
 
+crate::serde_by_name!(Snow);
+
 impl NamedValues for Snow {
     const VALUES: &'static [(&'static str, &'static str, Self)] = &[
         ("depth", "The snow's reflectance wherever the snow depth is 1 cm or more", Snow::Depth),

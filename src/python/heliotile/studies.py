@@ -113,6 +113,8 @@ def pv(
     hourly: bool = True,
     format: str = "csv",
     year: int | None = None,
+    snow: str | None = None,
+    snow_reflectance: float = 0.6,
     quality: str = "standard",
     replace: bool = False,
     memory: int = MEMORY,
@@ -133,6 +135,8 @@ def pv(
         "hourly": hourly,
         "format": format,
         "year": given.whole("year", year),
+        "snow": snow,
+        "snow_reflectance": given.number("snow_reflectance", snow_reflectance),
         "accuracy": _accuracy(quality, None),
         "replace": replace,
     }

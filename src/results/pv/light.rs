@@ -18,6 +18,7 @@ use heliotile_core::archive::Archive;
 use heliotile_core::error::Result;
 use heliotile_core::observer::{Observer, Silent};
 use heliotile_core::replay::components::{Component, ComponentSet};
+use heliotile_core::replay::reflectances::Changes;
 use heliotile_core::site::bands::Band;
 use heliotile_core::weather::dated::DatedRows;
 use heliotile_core::weather::options::StampedAt;
@@ -37,7 +38,8 @@ pub struct Light<'a> {
 
 /// Returns the replay of a study.
 fn replay_of(request: &PvRequest) -> ReplayRequest {
-    let light = LightChoice { sky: request.sky, ..LightChoice::default() };
+    let changes = Changes { snow: request.snow.map(|snow| (snow, request.snow_reflectance)), ..Changes::default() };
+    let light = LightChoice { sky: request.sky, changes, ..LightChoice::default() };
     ReplayRequest { light, year: request.year, stamp: request.stamp, ..ReplayRequest::of(&request.weather) }
 }
 

@@ -30,6 +30,7 @@ use heliotile_builder::siting::Siting;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::observer::Observer;
 use heliotile_core::orientation::fan::OrientationLimits;
+use heliotile_core::replay::reflectances::Snow;
 use heliotile_core::site::north::North;
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::distance::far_apart;
@@ -83,6 +84,10 @@ pub struct PvRequest {
     pub stamp: StampedAt,
     /// Year that all rows are put into; `None`: the years of the file.
     pub year: Option<i32>,
+    /// Source, in the weather file, of the reflectance of the ground; `None`: that of the scene.
+    pub snow: Option<Snow>,
+    /// Reflectance of snow, if its depth is the source.
+    pub snow_reflectance: f64,
     /// Accuracy of the archive.
     pub accuracy: AccuracyRequest,
     /// True if results of other inputs in the folder are replaced.
@@ -258,6 +263,8 @@ impl PvRequest {
             hourly: true,
             stamp: StampedAt::default(),
             year: None,
+            snow: None,
+            snow_reflectance: 0.6,
             accuracy: AccuracyRequest::default(),
             replace: false,
         }

@@ -4,8 +4,10 @@ use std::path::PathBuf;
 
 use clap::{ArgGroup, Args};
 
+use super::recombine::parse_share;
 use crate::cli::values::{Bytes, choice, parse_memory, table_endings};
 use crate::cli::{AccuracyArgs, ClockArgs, SceneArgs};
+use heliotile_core::replay::reflectances::Snow;
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::options::StampedAt;
 use heliotile_results::pv::PvRequest;
@@ -64,6 +66,13 @@ pub struct PvArgs {
     /// dates
     #[arg(long, value_parser = clap::value_parser!(i32).range(1..=2999))]
     pub year: Option<i32>,
+    /// Take the reflectance of all ground from the weather file: its snow depth
+    /// (--snow-reflectance from 1 cm on) or its albedo
+    #[arg(long, value_parser = choice::<Snow>())]
+    pub snow: Option<Snow>,
+    /// Diffuse reflectance of snow
+    #[arg(long, default_value_t = 0.6, value_parser = parse_share, requires = "snow")]
+    pub snow_reflectance: f64,
     #[command(flatten)]
     pub accuracy: AccuracyArgs,
     /// Replace results in the folder that are of another scene, points, accuracy or weather;
@@ -96,6 +105,8 @@ impl PvArgs {
             hourly: !self.no_hourly,
             stamp: self.stamp,
             year: self.year,
+            snow: self.snow,
+            snow_reflectance: self.snow_reflectance,
             accuracy: self.accuracy.request_beside(Some(&self.weather), &self.about_weather),
             replace: self.replace,
         }

@@ -463,7 +463,7 @@ fn parse_reflectance(text: &str) -> std::result::Result<(String, f64), String> {
     }
 }
 
-fn parse_share(text: &str) -> std::result::Result<f64, String> {
+pub(super) fn parse_share(text: &str) -> std::result::Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if (0.0..=1.0).contains(&value) => Ok(value),
         _ => Err("give a number from 0 to 1".into()),
