@@ -54,6 +54,7 @@ mod geocentric;
 mod geometry;
 mod ground;
 pub mod input;
+mod large_polygon;
 pub mod load;
 pub mod materials;
 pub mod mesh;

@@ -5,14 +5,22 @@ use earcut::Earcut;
 use glam::{DVec2, DVec3};
 
 use crate::geometry::{Geometry, Polygon};
+use crate::large_polygon;
 use crate::mesh::{NO_AREA, RawTriangle};
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::morton::lexicographic;
 
-/// Most corners of a face: ear clipping costs up to the square of this (6 s measured for a star
-/// that crosses itself everywhere, 5 ms for a circle of a quarter of this).
+/// Most corners of a face.
 const MAX_CORNERS: usize = 65_536;
+
+/// Corners of a face beyond which ears are not clipped: that costs up to the square of their number,
+/// 26 s for a spiral of [`MAX_CORNERS`].
+const MANY_CORNERS: usize = 4096;
+
+/// Most corners of a face that crosses itself, for which only clipping of ears is left: 3 s for a
+/// tangle of this many.
+const MAX_CROSSING: usize = 16_384;
 
 /// Largest difference between the areas of the triangles and of their ring, as a share; beyond it
 /// the ring counts as crossing itself.
@@ -60,19 +68,21 @@ pub(super) fn triangulate(geometry: &Geometry) -> Result<Triangulation> {
             done.faces.push(face.number as u32);
             continue;
         }
-        if corners.len() > MAX_CORNERS {
+        let beyond = |what: &str, max: usize| {
             let place = match face.line {
                 0 => format!("a face of {}", object_name(geometry, face.object)),
                 line => format!("the face in line {line}"),
             };
-            return Err(Error::Limit {
-                what: format!("the number of corners of {place}"),
-                value: corners.len() as u64,
-                max: MAX_CORNERS as u64,
-            });
+            let what = format!("the number of corners of {place}{what}");
+            Error::Limit { what, value: corners.len() as u64, max: max as u64 }
+        };
+        if corners.len() > MAX_CORNERS {
+            return Err(beyond("", MAX_CORNERS));
         }
         rings.fill(&face, &geometry.vertices);
-        rings.cut(&face, &mut done);
+        if !rings.cut(&face, &mut done) {
+            return Err(beyond(", which crosses itself", MAX_CROSSING));
+        }
         done.objects.resize(done.triangles.len(), face.object);
         done.faces.resize(done.triangles.len(), face.number as u32);
     }
@@ -155,12 +165,13 @@ impl Rings {
         self.holes.first().copied().unwrap_or(self.corners.len())
     }
 
-    fn cut(&mut self, face: &Polygon, done: &mut Triangulation) {
+    /// Adds the triangles of a face. Returns false if it crosses itself and has too many corners.
+    fn cut(&mut self, face: &Polygon, done: &mut Triangulation) -> bool {
         let normal = self.newell_normal();
         let extent = self.positions.iter().fold(0.0, |far: f64, p| far.max(p.length_squared()));
         if self.outline() < 3 || normal.length() <= 2.0 * NO_AREA * extent {
             done.degenerate_faces += 1;
-            return;
+            return true;
         }
         self.note_bend(normal.normalize_or_zero(), done);
         self.project(normal);
@@ -172,6 +183,8 @@ impl Rings {
         match (self.corners.len(), turns, self.holes.is_empty()) {
             (3, _, true) => self.cut.extend([0, 1, 2]),
             (4, Turns::Convex, true) => self.cut.extend([0, 1, 2, 0, 2, 3]),
+            (count, ..) if count > MANY_CORNERS && self.cut_many() => {}
+            (MAX_CROSSING.., ..) => return false,
             _ => {
                 let earcut = self.earcut.get_or_insert_with(Earcut::new);
                 let holes: Vec<u32> = self.holes.iter().map(|&start| start as u32).collect();
@@ -185,6 +198,13 @@ impl Rings {
             let (count, place) = done.crossing_faces.unwrap_or((0, first));
             done.crossing_faces = Some((count + 1, place));
         }
+        true
+    }
+
+    /// Cuts a ring of many corners; returns false if it crosses itself.
+    fn cut_many(&mut self) -> bool {
+        let cut = large_polygon::cut(&self.flat, &self.holes);
+        cut.map(|triangles| self.cut = triangles).is_some()
     }
 
     /// Counts the face if it is not flat.

@@ -194,8 +194,8 @@ mod tests {
     }
 
     /// A link of the old temporary name leads to a file that keeps its 4 bytes.
-    #[cfg(unix)]
     #[test]
+    #[cfg(unix)]
     fn links_are_not_followed() {
         let folder = tempfile::tempdir().expect("a folder");
         let at = |name: &str| folder.path().join(name);

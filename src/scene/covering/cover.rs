@@ -257,6 +257,9 @@ fn split(shard: &Shard, axis: DVec3, at: f64, before: &mut Vec<Shard>, behind: &
     }
 }
 
+/// Share of a part's area up to which a triangle is a sliver.
+const SLIVER: f64 = 1e-9;
+
 /// Returns the piece of a part. Its point is the centre, or the centre of the nearest triangle if
 /// the centre lies outside. `None` if the part has no area.
 fn piece(shards: Vec<Shard>, frame: &Frame) -> Option<Piece> {
@@ -275,11 +278,18 @@ fn piece(shards: Vec<Shard>, frame: &Frame) -> Option<Piece> {
     }
     let centre = sum / area_m2 + origin;
     let flat = frame.flat(centre);
-    let over = shards.iter().find(|(t, _)| contains(&t.map(|p| frame.flat(p)), flat));
-    let (position, face) = match over.and_then(|(t, face)| Some((dropped(centre, t, frame.away)?, *face))) {
+    let middle = |t: &[DVec3; 3]| (t[0] + t[1] + t[2]) / 3.0;
+    let over = shards.iter().find(|(t, _)| contains(&t.map(|p| frame.flat(p)), flat)).and_then(|shard| {
+        // Cuts leave slivers whose corners are a line but for rounding: they have no plane.
+        let is_wide = |(t, _): &&Shard| area_vector(t).length() > SLIVER * area_m2;
+        let by_distance =
+            |a: &&Shard, b: &&Shard| middle(&a.0).distance(centre).total_cmp(&middle(&b.0).distance(centre));
+        let (plane, _) = if is_wide(&shard) { shard } else { shards.iter().filter(is_wide).min_by(by_distance)? };
+        Some((dropped(centre, plane, frame.away)?, shard.1))
+    });
+    let (position, face) = match over {
         Some(found) => found,
         None => {
-            let middle = |t: &[DVec3; 3]| (t[0] + t[1] + t[2]) / 3.0;
             // Centres of small triangles are poor points for the whole part.
             let largest = shards.iter().map(|(t, _)| area_vector(t).length()).fold(0.0, f64::max);
             let fit = shards.iter().filter(|(t, _)| area_vector(t).length() >= 0.3 * largest);
@@ -365,6 +375,22 @@ mod tests {
                 let p = piece.position.truncate();
                 let inside = triangles.iter().any(|t| contains(&t.map(|q| q.truncate()), p));
                 assert!(inside && (piece.position.z - 5.0).abs() < 1e-12, "{p}");
+            }
+        }
+    }
+
+    /// A roof of 12 x 5.49 m at 35 degrees is cut at 20 spacings from 0.2 to 1.15 m: all receivers lie
+    /// on it within 1e-9 m, though cuts leave slivers without a plane. Before, 1 of 65 at 1 m lay 7 mm
+    /// below it.
+    #[test]
+    fn receivers_beside_slivers_lie_on_the_surface() {
+        let up = DVec3::new(0.0, -4.5, 3.15);
+        let corner = DVec3::new(12.0, 9.0, 5.0);
+        let roof = surface(SurfaceKind::Roof, quad(corner, DVec3::X * -12.0, up));
+        for spacing in (0..20).map(|i| 0.2 + 0.05 * f64::from(i)) {
+            for piece in cover(&roof, Density::Spacing(spacing)) {
+                let off = (piece.position - corner).dot(roof.normal);
+                assert!(off.abs() < 1e-9, "{spacing} m: {off} m at {}", piece.position);
             }
         }
     }

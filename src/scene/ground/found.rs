@@ -12,7 +12,7 @@ pub(crate) type Corners = [DVec3; 3];
 const FREE: f64 = 0.05;
 /// Least share of the open plan around the standing triangles that ground covers if it surrounds
 /// them.
-const AROUND: f64 = 0.5;
+const AROUND: f64 = 0.25;
 /// Width of the rim around the standing triangles that counts as their plan, in their mean height:
 /// most of the light that a wall gets from the ground comes from about that far.
 const RIM_HEIGHTS: f64 = 0.5;
@@ -67,7 +67,7 @@ pub(crate) fn lies_free(
     free as f64 > FREE * all as f64
 }
 
-/// Returns true if ground covers most of the open plan in and around the box of the triangles that
+/// Returns true if ground covers a quarter of the open plan in and around the box of the triangles that
 /// stand, and its highest open point lies at most `DETACHED_M` below the lowest of them. Floors
 /// below roofs are not open. Without standing triangles the ground is the scene.
 pub(crate) fn surrounds(

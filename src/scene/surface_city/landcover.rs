@@ -2,39 +2,24 @@
 //! their reflectances.
 
 use crate::geometry::Geometry;
+use crate::materials::assumed::assumed;
 use crate::surface_city::layers::NO_CLASS;
 use crate::terrain::surface::NAME;
-use heliotile_core::site::material::{Class, Material};
 
 /// Code of buildings.
 pub(super) const BUILDINGS: u16 = 2;
 
 /// Codes of UMEP's land cover (Lindberg et al. 2018, Environmental Modelling and Software 99, "UMEP
-/// Land Cover Reclassifier"), each with its material and its reflectance. The reflectances of paved
-/// ground (dark asphalt), grass and bare soil are SOLWEIG's effective albedos (Lindberg, Onomura
-/// and Grimmond 2016). Oke (1987, Boundary Layer Climates, Table 1.1) has asphalt 0.05 to 0.20,
-/// grass 0.16 to 0.26, soil 0.05 (dark, wet) to 0.40 (light, dry), water below a high sun 0.03 to
-/// 0.10. Ground below trees (3 evergreen, 4 deciduous) counts as grass, and ground of buildings
-/// that do not stand as paved.
-const CLASSES: [(u16, &str, f64); 7] = [
-    (1, "paved", 0.18),
-    (BUILDINGS, "paved", 0.18),
-    (3, "grass", 0.16),
-    (4, "grass", 0.16),
-    (5, "grass", 0.16),
-    (6, "bare_soil", 0.25),
-    (7, "water", 0.07),
-];
-
-/// Returns the reflectance of a material with a name of [`CLASSES`].
-pub(crate) fn reflectance_of(name: &str) -> Option<f64> {
-    CLASSES.iter().find(|(_, known, _)| *known == name).map(|(.., reflectance)| *reflectance)
-}
+/// Land Cover Reclassifier"), each with its material, whose name decides its reflectance. Ground
+/// below trees (3 evergreen, 4 deciduous) counts as grass, and ground of buildings that do not stand
+/// as paved.
+const CLASSES: [(u16, &str); 7] =
+    [(1, "paved"), (BUILDINGS, "paved"), (3, "grass"), (4, "grass"), (5, "grass"), (6, "bare_soil"), (7, "water")];
 
 /// Returns the material of ground of a code; `terrain` without a code.
 pub(super) fn material_of(code: u16) -> String {
     match CLASSES.iter().find(|(known, ..)| *known == code) {
-        Some((_, name, _)) => (*name).to_owned(),
+        Some((_, name)) => (*name).to_owned(),
         None if code == NO_CLASS => NAME.to_owned(),
         None => format!("landcover_{code}"),
     }
@@ -42,7 +27,7 @@ pub(super) fn material_of(code: u16) -> String {
 
 /// Returns the first code with the material of `code`, or `code` itself if it is unknown.
 pub(super) fn joined(code: u16) -> u16 {
-    let name = |code: u16| CLASSES.iter().find(|(known, ..)| *known == code).map(|(_, name, _)| name);
+    let name = |code: u16| CLASSES.iter().find(|(known, ..)| *known == code).map(|(_, name)| name);
     CLASSES
         .iter()
         .map(|(known, ..)| *known)
@@ -52,8 +37,8 @@ pub(super) fn joined(code: u16) -> u16 {
 
 /// States the reflectances of the materials of known codes.
 pub(super) fn state(geometry: &mut Geometry) {
-    for (_, name, reflectance) in CLASSES {
-        geometry.stated.insert(name.to_owned(), Material::matt(name, reflectance, Class::Ground));
+    for (_, name) in CLASSES {
+        geometry.stated.insert(name.to_owned(), assumed(name));
     }
 }
 
@@ -61,6 +46,7 @@ pub(super) fn state(geometry: &mut Geometry) {
 mod tests {
     use super::*;
     use crate::materials::select::class_of_name;
+    use heliotile_core::site::material::Class;
 
     /// The materials of known codes and that of an unknown one are of class ground by their names
     /// alone, so that terrain of them is one surface.

@@ -23,7 +23,7 @@
 mod buildings;
 mod crowns;
 mod floor;
-pub(crate) mod landcover;
+mod landcover;
 mod lattice;
 pub(crate) mod layers;
 mod outlines;
