@@ -9,9 +9,9 @@ use std::io::{Cursor, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use glam::DVec2;
-use tiff::TiffError;
 use tiff::decoder::{ChunkType, Decoder, DecodingResult, Limits};
-use tiff::tags::Tag;
+use tiff::tags::{CompressionMethod, Tag};
+use tiff::{TiffError, TiffUnsupportedError};
 
 use crate::formats::gdal_metadata::{BandNotes, metres_of_unit};
 use crate::formats::geokeys::GeoKeys;
@@ -36,6 +36,36 @@ const MOST_PACKED_ZSTD: u64 = 1 << 15;
 
 /// GDAL's code of Zstandard in the compression tag.
 const ZSTD: u16 = 50_000;
+
+/// Ways to pack samples that are not read, by their codes in the compression tag (259): TIFF 6.0,
+/// its supplements, and the registry of libtiff (`tiff.h`).
+const UNREAD_COMPRESSIONS: [(u16, &str); 25] = [
+    (2, "CCITT RLE"),
+    (3, "CCITT Group 3 (fax)"),
+    (4, "CCITT Group 4 (fax)"),
+    (6, "JPEG of TIFF 6.0"),
+    (7, "JPEG"),
+    (9, "JBIG (T.85)"),
+    (10, "JBIG (T.43)"),
+    (32_766, "NeXT"),
+    (32_771, "CCITT RLE in words"),
+    (32_809, "ThunderScan"),
+    (32_908, "PixarFilm"),
+    (32_909, "PixarLog"),
+    (33_003, "JPEG 2000 (Aperio)"),
+    (33_004, "JPEG 2000 (Aperio)"),
+    (33_005, "JPEG 2000 (Aperio)"),
+    (34_661, "JBIG"),
+    (34_676, "SGILog"),
+    (34_677, "SGILog24"),
+    (34_712, "JPEG 2000"),
+    (34_887, "LERC"),
+    (34_892, "JPEG of DNG"),
+    (34_925, "LZMA"),
+    (50_001, "WebP"),
+    (50_002, "JPEG XL"),
+    (52_546, "JPEG XL of DNG"),
+];
 
 /// Reader of a TIFF file that replaces some bytes and appends zeros, because the decoder needs
 /// them.
@@ -138,6 +168,13 @@ fn refused(file: &Path, doing: &str, error: &TiffError) -> Error {
     let problem = error.to_string();
     let why = excerpt(problem.as_bytes());
     match error {
+        TiffError::UnsupportedError(TiffUnsupportedError::UnsupportedCompressionMethod(method)) => Error::Unsupported {
+            what: format!("the raster {}", file.display()),
+            found: compression(*method),
+            supported: "samples without compression or with Deflate, LZW, Zstandard or PackBits: pack it again with \
+                        `gdal_translate -co COMPRESS=DEFLATE in.tif out.tif`"
+                .into(),
+        },
         TiffError::UnsupportedError(_) => Error::Unsupported {
             what: format!("the raster {}", file.display()),
             found: why,
@@ -151,6 +188,15 @@ fn refused(file: &Path, doing: &str, error: &TiffError) -> Error {
             Error::input(file, None, format!("the file ends within {doing}"), hint)
         }
         _ => Error::input(file, None, format!("{doing} cannot be read: {why}"), "export it again as GeoTIFF"),
+    }
+}
+
+/// Returns the name and the code of a way to pack samples.
+fn compression(method: CompressionMethod) -> String {
+    let code = method.to_u16();
+    match UNREAD_COMPRESSIONS.iter().find(|(known, _)| *known == code) {
+        Some((_, name)) => format!("the compression {name} (code {code})"),
+        None => format!("the unknown compression {code}"),
     }
 }
 

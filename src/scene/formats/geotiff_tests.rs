@@ -171,6 +171,12 @@ fn unusable_files_are_refused_with_a_reason() {
         (float([f32::INFINITY; 6], ""), "none of the 6 samples is a height"),
         // SampleFormat 6 is complex floats.
         (patched(339, 3, 6), "this release supports 8, 16, 32"),
+        (patched(259, 3, 34_887), "found the compression LERC (code 34887), this release supports samples without"),
+        (patched(259, 3, 34_712), "the compression JPEG 2000 (code 34712)"),
+        (patched(259, 3, 7), "the compression JPEG (code 7)"),
+        (patched(259, 3, 50_001), "the compression WebP (code 50001)"),
+        (patched(259, 3, 50_002), "the compression JPEG XL (code 50002)"),
+        (patched(259, 3, 60_001), "the unknown compression 60001"),
     ];
     for (bytes, expected) in cases {
         let found = read(&bytes).expect_err(expected).to_string();
