@@ -41,6 +41,11 @@ impl<T: Copy> Lattice<T> {
         (column < self.columns && row < self.rows).then_some(row * self.columns + column)
     }
 
+    /// Returns true if a spot is on the grid.
+    pub(super) fn holds(&self, spot: Spot) -> bool {
+        self.index(spot).is_some()
+    }
+
     /// Returns the value of a spot.
     #[inline]
     pub(super) fn at(&self, spot: Spot) -> T {

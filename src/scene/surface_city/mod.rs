@@ -40,6 +40,7 @@ mod writer;
 pub(crate) use crowns::TREES;
 
 use std::collections::BTreeSet;
+use std::path::Path;
 
 use glam::DVec2;
 
@@ -77,9 +78,10 @@ pub(crate) struct City {
 
 /// Makes a city of a raster of surface heights and its companions.
 pub(crate) fn city(dsm: &Layer, with: &Companions, options: &SurfaceRasters) -> Result<City> {
-    let layers = Layers::new(dsm, with)?;
+    let mut layers = Layers::new(dsm, with)?;
     let mut standing = standing(&layers, options);
-    let roofs = roofs(&layers, &mut standing, options.step(layers.cell_m()));
+    let step_m = options.step(layers.cell_m());
+    let roofs = roofs(&mut layers, &mut standing, step_m);
     let pieces = pieces(&standing, &roofs);
     let floor = floor(&layers, &pieces, &standing.ground);
     if roofs.list.is_empty() && floor.triangles.is_empty() {
@@ -135,6 +137,7 @@ pub(crate) fn city(dsm: &Layer, with: &Companions, options: &SurfaceRasters) -> 
         counted(crowns as u64, "crown"),
     );
     let mut geometry = writer.geometry;
+    geometry.warnings.extend(closed_voids(dsm.file, standing.closed));
     if drawn.kept > 0 {
         geometry.warnings.push(format!(
             "{}: {} of {} lines between roofs and ground stay along cells: drawn straight they would cross others",
@@ -144,6 +147,19 @@ pub(crate) fn city(dsm: &Layer, with: &Companions, options: &SurfaceRasters) -> 
         ));
     }
     Ok(City { geometry, note })
+}
+
+/// Returns sentences on cells without a height that got one.
+fn closed_voids(file: &Path, [roofs, ground]: [usize; 2]) -> Vec<String> {
+    let say = |count: usize, what: &str| {
+        let cells = counted(count as u64, "cell");
+        (count > 0).then(|| format!("{}: {cells} without a height {what}", file.display()))
+    };
+    let found = [
+        say(roofs, "lie within buildings; they are closed with the planes of the roofs around them"),
+        say(ground, "lie beside buildings or within the ground; they are closed with the nearest ground"),
+    ];
+    found.into_iter().flatten().collect()
 }
 
 /// Returns the place of an object as a name: its most north-western cell in whole metres, so that

@@ -66,7 +66,7 @@ impl Roofs {
 
 /// Pieces of roofs while they grow.
 struct Growing<'a> {
-    layers: &'a Layers,
+    layers: &'a mut Layers,
     building: &'a Lattice<u32>,
     step_m: f64,
     piece: Lattice<u32>,
@@ -82,15 +82,18 @@ struct Around {
 
 const NONE: u32 = u32::MAX;
 
-/// Finds the planes of roofs. Cells at the edges of buildings may become ground.
-pub(super) fn roofs(layers: &Layers, standing: &mut Standing, step_m: f64) -> Roofs {
+/// Finds the planes of roofs. Cells at the edges of buildings may become ground. Cells without a
+/// height get those of their roofs.
+pub(super) fn roofs(layers: &mut Layers, standing: &mut Standing, step_m: f64) -> Roofs {
     let piece = standing.building.like(NONE);
-    let mut growing = Growing { layers, building: &standing.building, step_m, piece, sums: Vec::new() };
+    let building = &standing.building;
+    let mut growing = Growing { layers: &mut *layers, building, step_m, piece, sums: Vec::new() };
     for cells in &standing.cells {
         let first = growing.sums.len();
         growing.grow(cells);
         growing.dilate(cells);
         growing.join(cells, first);
+        growing.close(cells);
     }
     let cells: Vec<Spot> = standing.cells.iter().flatten().copied().collect();
     growing.settle(&cells);
@@ -144,7 +147,8 @@ impl Growing<'_> {
 
     /// Grows pieces over the cells of a building.
     fn grow(&mut self, cells: &[Spot]) {
-        let mut seeds: Vec<(Spot, Around)> = cells.iter().map(|spot| (*spot, self.around(*spot))).collect();
+        let known = cells.iter().filter(|spot| !self.height(**spot).is_nan());
+        let mut seeds: Vec<(Spot, Around)> = known.map(|spot| (*spot, self.around(*spot))).collect();
         let known: BTreeMap<Spot, Around> = seeds.iter().copied().collect();
         // The sort is stable: ties stay in the order from the north-west.
         seeds.sort_by(|a, b| a.1.off_m.total_cmp(&b.1.off_m));
@@ -192,7 +196,8 @@ impl Growing<'_> {
     /// near to no piece make one of their own if they are enough and wide enough.
     fn dilate(&mut self, cells: &[Spot]) {
         self.spread(cells, self.step_m);
-        let left: Vec<Spot> = cells.iter().copied().filter(|spot| self.piece.at(*spot) == NONE).collect();
+        let is_left = |spot: &Spot| self.piece.at(*spot) == NONE && !self.height(*spot).is_nan();
+        let left: Vec<Spot> = cells.iter().copied().filter(is_left).collect();
         if left.is_empty() {
             return;
         }
@@ -294,6 +299,29 @@ impl Growing<'_> {
             if own != NONE {
                 self.piece.set(spot, root(&of, own));
             }
+        }
+    }
+
+    /// Gives cells without a height to the pieces beside them, and their heights on the planes of
+    /// these. Where pieces meet, the lower plane counts: roofs fall away from their ridges.
+    fn close(&mut self, cells: &[Spot]) {
+        let mut open: Vec<Spot> = cells.iter().copied().filter(|spot| self.piece.at(*spot) == NONE).collect();
+        while !open.is_empty() {
+            let mut found = Vec::new();
+            for &spot in &open {
+                let place = self.layers.middle(spot);
+                let near = STEPS.map(|step| self.piece.at(beside(spot, step))).into_iter();
+                let heights = near.filter_map(|number| Some((number, self.plane(number)?.at(place))));
+                found.extend(heights.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(number, height)| (spot, number, height)));
+            }
+            if found.is_empty() {
+                return;
+            }
+            for (spot, number, height) in found {
+                self.piece.set(spot, number);
+                self.layers.surface.set(spot, height as f32);
+            }
+            open.retain(|spot| self.piece.at(*spot) == NONE);
         }
     }
 

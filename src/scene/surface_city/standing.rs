@@ -6,6 +6,10 @@
 //! a step between them are connected, and a piece of them stands if it is the higher one on more
 //! than half of the length of its steps: streets and courts lie lower than their surroundings,
 //! roofs and podiums higher. Standing pieces smaller than the least area are no buildings.
+//!
+//! Cells without a height inside a raster are voids. A void with roofs alone around it belongs to
+//! the building, any other one is ground: photogrammetry has no heights in the shadow of walls.
+//! Voids that reach the border of the raster stay without a height.
 
 use std::collections::BTreeMap;
 
@@ -20,6 +24,12 @@ pub(super) const LEAST_CROWN_M: f32 = 1.0;
 /// Largest difference between a surface and the top of a crown that it shows, metres.
 const SAME_AS_CROWN_M: f32 = 1.5;
 
+/// Longest way across cells without a height to the other side of a step, as a multiple of the
+/// step: the shadow of a wall under a sun of 27 degrees, which is lower than in surveys.
+const SHADOW: f64 = 2.0;
+/// Longest such way, metres: the shadow of a tower of 30 m.
+const LONGEST_SHADOW_M: f64 = 60.0;
+
 /// Buildings and ground.
 pub(super) struct Standing {
     /// Number of each cell's building, `[cell]`; `u32::MAX` for none.
@@ -30,15 +40,22 @@ pub(super) struct Standing {
     pub ground: Lattice<f32>,
     /// Height of the ground in all cells, `[cell]`, if it is known.
     pub below: Option<Lattice<f32>>,
+    /// Numbers of cells of voids within buildings, and of voids that are ground.
+    pub closed: [usize; 2],
 }
 
 /// Tells buildings from ground.
 pub(super) fn standing(layers: &Layers, options: &SurfaceRasters) -> Standing {
     let least = (options.least_building() / layers.cell_m2()).ceil() as usize;
-    let stands = match &layers.ground {
+    let mut stands = match &layers.ground {
         Some(_) => above_ground(layers),
         None => by_steps(layers, options.step(layers.cell_m()), least),
     };
+    let voids = voids(&layers.surface);
+    let (within, open): (Vec<_>, Vec<_>) = voids.into_iter().partition(|void| is_within(void, layers, &stands));
+    within.iter().flatten().for_each(|spot| stands.set(*spot, true));
+    let mut is_open = stands.like(false);
+    open.iter().flatten().for_each(|spot| is_open.set(*spot, true));
     let (_, pieces) = stands.pieces(|spot| stands.at(spot), |_, _| true);
     let mut building = stands.like(u32::MAX);
     let mut cells: Vec<Vec<Spot>> = Vec::new();
@@ -67,18 +84,34 @@ pub(super) fn standing(layers: &Layers, options: &SurfaceRasters) -> Standing {
             _ if small.at(spot) && layers.ground.is_none() => f32::NAN,
             _ => surface,
         };
-        gaps |= height.is_nan() && !surface.is_nan();
+        gaps |= height.is_nan() && (!surface.is_nan() || is_open.at(spot));
         ground.set(spot, height);
     }
+    let mut closed = [within.iter().map(Vec::len).sum(), 0];
     if gaps {
-        // Pieces too small for a building get the ground around them.
+        // Pieces too small for a building, and voids, get the ground around them.
         let mut filled = ground.clone();
         filled.fill();
-        for spot in stands.spots().filter(|spot| small.at(*spot)) {
+        for spot in stands.spots().filter(|spot| small.at(*spot) || is_open.at(*spot)) {
+            closed[1] += usize::from(is_open.at(spot) && ground.at(spot).is_nan());
             ground.set(spot, filled.at(spot));
         }
     }
-    Standing { building, cells, ground, below }
+    Standing { building, cells, ground, below, closed }
+}
+
+/// Returns the cells of each void, without those that reach the border of the raster.
+fn voids(surface: &Lattice<f32>) -> Vec<Vec<Spot>> {
+    let (_, mut voids) = surface.pieces(|spot| surface.at(spot).is_nan(), |_, _| true);
+    let is_inner = |spot: &Spot| STEPS.iter().all(|step| surface.holds(beside(*spot, *step)));
+    voids.retain(|void| void.iter().all(is_inner));
+    voids
+}
+
+/// Returns true if all cells around a void stand.
+fn is_within(void: &[Spot], layers: &Layers, stands: &Lattice<bool>) -> bool {
+    let mut around = void.iter().flat_map(|spot| STEPS.map(|step| beside(*spot, step)));
+    around.all(|spot| stands.at(spot) || layers.surface.at(spot).is_nan())
 }
 
 /// Returns true for cells that stand above a known ground.
@@ -109,8 +142,11 @@ fn by_steps(layers: &Layers, step_m: f64, least: usize) -> Lattice<bool> {
     let mut steps: BTreeMap<u32, [usize; 2]> = BTreeMap::new();
     for spot in number.spots() {
         let own = number.at(spot);
-        for other in STEPS.map(|step| beside(spot, step)) {
-            if number.at(other) != own && !height(other).is_nan() && own != u32::MAX {
+        if own == u32::MAX {
+            continue;
+        }
+        for other in STEPS.into_iter().filter_map(|step| across(layers, spot, step, step_m)) {
+            if number.at(other) != own {
                 let [down, up] = steps.entry(own).or_default();
                 if height(spot) > height(other) { *down += 1 } else { *up += 1 }
             }
@@ -123,6 +159,21 @@ fn by_steps(layers: &Layers, step_m: f64, least: usize) -> Lattice<bool> {
         stands.set(spot, (is_higher || is_built) && !height(spot).is_nan());
     }
     stands
+}
+
+/// Returns the next cell with a height in a direction; `None` beyond the border, and beyond a void
+/// that is too wide for the shadow of the step across it.
+fn across(layers: &Layers, from: Spot, step: Spot, step_m: f64) -> Option<Spot> {
+    let height = |spot: Spot| f64::from(layers.surface.at(spot));
+    let (mut other, mut way) = (beside(from, step), 0.0);
+    while height(other).is_nan() {
+        if way >= LONGEST_SHADOW_M || !layers.surface.holds(other) {
+            return None;
+        }
+        (other, way) = (beside(other, step), way + layers.cell_m());
+    }
+    let high = (height(other) - height(from)).abs();
+    (way == 0.0 || high > step_m && way <= SHADOW * high).then_some(other)
 }
 
 /// Gives cells of small pieces, such as those that a wall cuts, to the larger piece beside them
