@@ -111,8 +111,8 @@ pub struct PlacedReceivers {
     pub chosen: Vec<ChosenSurface>,
     /// Number of surfaces too small for a receiver, and their area in m2.
     pub small: (usize, f64),
-    /// Number of surfaces that face rooms or the ground according to their file, and their area in
-    /// m2.
+    /// Number of surfaces that face rooms, the ground or the border of a raster according to their
+    /// file, and their area in m2.
     pub inner: (usize, f64),
     /// Area in m2 of surfaces of objects that are no buildings, by type of object.
     pub beside: BTreeMap<String, f64>,
@@ -512,7 +512,7 @@ pub fn summary(covered: &PlacedReceivers, scene: &Scene) -> String {
     }
     if covered.inner.0 > 0 {
         line(format!(
-            "left out: {} that face rooms or the ground, {:.1} m2",
+            "left out: {} that face rooms, the ground or the border of a raster, {:.1} m2",
             counted(covered.inner.0 as u64, "surface"),
             covered.inner.1
         ));

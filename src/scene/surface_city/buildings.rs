@@ -1,16 +1,16 @@
 //! Roofs and walls of a city. In: chains drawn straight, planes of roofs, heights of the ground
 //! along them. Out: faces of buildings, closed where the ground closes them.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use glam::DVec2;
 
 use crate::plan::signed_area_m2;
 use crate::semantics::SurfaceKind;
 use crate::surface_city::floor::Moved;
-use crate::surface_city::lattice::Lattice;
+use crate::surface_city::lattice::{Lattice, Spot};
 use crate::surface_city::layers::Layers;
-use crate::surface_city::outlines::{Chain, FIRST_ROOF, GROUND, Link};
+use crate::surface_city::outlines::{Chain, FIRST_ROOF, GROUND, Link, OUTSIDE};
 use crate::surface_city::plane::Plane;
 use crate::surface_city::roofs::RoofPiece;
 use crate::surface_city::straight::Polyline;
@@ -23,6 +23,15 @@ const ONE_HEIGHT_M: f64 = 0.02;
 /// metres. Seams let no light through and get no receivers.
 const SEAM_M: f64 = 0.5;
 
+/// Foot of a building.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Foot {
+    /// Height that walls without ground beside them reach down to.
+    pub height: f64,
+    /// True if ground lies beside the building somewhere.
+    pub meets_ground: bool,
+}
+
 /// Everything that the faces of buildings are made from.
 pub(super) struct Buildings<'a> {
     pub layers: &'a Layers,
@@ -30,8 +39,8 @@ pub(super) struct Buildings<'a> {
     pub lines: Vec<Polyline>,
     pub rings: &'a BTreeMap<u32, Vec<Vec<Link>>>,
     pub roofs: &'a [RoofPiece],
-    /// Height that walls without ground beside them reach down to, `[building]`.
-    pub bases: &'a [f64],
+    /// `[building]`.
+    pub feet: &'a [Foot],
     /// Height of the ground, `[corner]`.
     pub ground: &'a Lattice<f32>,
     /// Places of corners of cells along chains.
@@ -127,8 +136,8 @@ impl Buildings<'_> {
         Corner { place, height: height.unwrap_or_default() }
     }
 
-    /// Writes all roofs and walls.
-    pub(super) fn write(mut self, writer: &mut Writer, names: &BuildingNames) -> Result<()> {
+    /// Writes all roofs and walls, and returns the number of buildings that the border cuts.
+    pub(super) fn write(mut self, writer: &mut Writer, names: &BuildingNames) -> Result<usize> {
         self.cross();
         let heights = self.heights();
         for (piece, rings) in self.rings {
@@ -146,26 +155,44 @@ impl Buildings<'_> {
             numbers.retain(|(_, ring)| ring.len() > 2);
             writer.face(numbers.iter().map(|(_, ring)| ring.as_slice()), &of);
         }
+        let mut cut = BTreeSet::new();
         for number in 0..self.chains.len() {
-            self.walls(writer, names, &heights, number)?;
+            cut.extend(self.walls(writer, names, &heights, number)?);
         }
-        Ok(())
+        Ok(cut.len())
     }
 
-    /// Writes the walls along a chain.
-    fn walls(&self, writer: &mut Writer, names: &BuildingNames, heights: &Heights, number: usize) -> Result<()> {
-        let (Some(chain), Some(line)) = (self.chains.get(number), self.lines.get(number)) else { return Ok(()) };
+    /// Returns true if no wall stands along a straight line, because the surface ends there: at the
+    /// border of the raster, or at nodata if the surface shows ground elsewhere beside the building.
+    fn is_cut(&self, chain: &Chain, line: &Polyline, from: usize, foot: &Foot) -> bool {
+        let ends = line.corners.get(from).zip(line.corners.get(from + 1));
+        let corners = ends.and_then(|(a, b)| chain.corners.get(*a..=*b)).unwrap_or_default();
+        let [columns, rows] = [self.layers.grid.columns as i64, self.layers.grid.rows as i64];
+        let on_border = |[column, row]: &Spot| [0, columns].contains(column) || [0, rows].contains(row);
+        chain.left.min(chain.right) == OUTSIDE && (foot.meets_ground || corners.iter().all(on_border))
+    }
+
+    /// Writes the walls along a chain, and returns the building if the border cuts it there.
+    fn walls(
+        &self,
+        writer: &mut Writer,
+        names: &BuildingNames,
+        heights: &Heights,
+        number: usize,
+    ) -> Result<Option<u32>> {
+        let (Some(chain), Some(line)) = (self.chains.get(number), self.lines.get(number)) else { return Ok(None) };
         let (left, right) = (roof_of(self.roofs, chain.left), roof_of(self.roofs, chain.right));
-        let Some(building) = left.or(right).map(|roof| roof.building) else { return Ok(()) };
+        let Some(building) = left.or(right).map(|roof| roof.building) else { return Ok(None) };
         let object = names.objects.get(building as usize).copied().unwrap_or_default();
-        let base = self.bases.get(building as usize).copied().unwrap_or_default();
+        let Some(foot) = self.feet.get(building as usize) else { return Ok(None) };
+        let mut cut = None;
         let side = |piece: u32, from: usize, to: usize| -> Option<Vec<Corner>> {
             let ends = [*line.points.get(from)?, *line.points.get(to)?];
             if roof_of(self.roofs, piece).is_some() {
                 return Some(ends.map(|place| self.corner(heights, piece, place)).to_vec());
             }
             if piece != GROUND {
-                return Some(ends.map(|place| Corner { place, height: base }).to_vec());
+                return Some(ends.map(|place| Corner { place, height: foot.height }).to_vec());
             }
             let corners = chain.corners.get(*line.corners.get(from)?..=*line.corners.get(to)?)?;
             let ground = corners.iter().map(|corner| Corner {
@@ -179,6 +206,8 @@ impl Buildings<'_> {
             else {
                 continue;
             };
+            let is_cut = self.is_cut(chain, line, from, foot);
+            cut = cut.or(is_cut.then_some(building));
             for panel in panels(&left, &right) {
                 let tallest = panel.iter().map(|corner| corner.height);
                 let (low, high) = tallest.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), h| (a.min(h), b.max(h)));
@@ -187,7 +216,7 @@ impl Buildings<'_> {
                     material: names.wall,
                     object,
                     kind: Some(SurfaceKind::Wall),
-                    exposed: is_seam.then_some(false),
+                    exposed: (is_seam || is_cut).then_some(false),
                 };
                 let ring = writer.ring(&panel)?;
                 if ring.len() > 2 {
@@ -195,7 +224,7 @@ impl Buildings<'_> {
                 }
             }
         }
-        Ok(())
+        Ok(cut)
     }
 }
 

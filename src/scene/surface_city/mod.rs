@@ -44,7 +44,7 @@ use std::path::Path;
 
 use glam::DVec2;
 
-use buildings::{BuildingNames, Buildings, roof_of};
+use buildings::{BuildingNames, Buildings, Foot, roof_of};
 use floor::{Floor, Moved, floor};
 use lattice::{Lattice, Spot};
 use layers::{Companions, Layer, Layers};
@@ -106,18 +106,18 @@ pub(crate) fn city(dsm: &Layer, with: &Companions, options: &SurfaceRasters) -> 
         wall: writer.material("WallSurface"),
         objects: standing.cells.iter().map(|cells| named(&mut writer, cells)).collect(),
     };
-    let bases = bases(&standing, &chains, &roofs, &floor);
+    let feet = feet(&standing, &chains, &roofs, &floor);
     let buildings = Buildings {
         layers: &layers,
         chains: &chains,
         lines: drawn.lines,
         rings: &rings,
         roofs: &roofs.list,
-        bases: &bases,
+        feet: &feet,
         ground: &floor.heights,
         moved: &drawn.moved,
     };
-    buildings.write(&mut writer, &names)?;
+    let cut = buildings.write(&mut writer, &names)?;
     floor.write(&mut writer, &layers, &drawn.moved)?;
     let crowns = crowns::write(&mut writer, &layers, &pieces, &floor, &drawn.moved, options)?;
     let plain = if with.dem.is_some() {
@@ -125,8 +125,13 @@ pub(crate) fn city(dsm: &Layer, with: &Companions, options: &SurfaceRasters) -> 
     } else {
         "; without a raster of the ground, steps in height separate ground and roofs"
     };
+    let cut = match cut {
+        0 => String::new(),
+        1 => "; the border of the raster cuts 1 building, whose wall at the cut gets no receivers".to_owned(),
+        many => format!("; the border of the raster cuts {many} buildings, whose walls at the cut get no receivers"),
+    };
     let note = format!(
-        "{}: {} x {} cells became {} with {} (their heights are {:.2} m off, root mean square), {} of ground and {}{plain}",
+        "{}: {} x {} cells became {} with {} (their heights are {:.2} m off, root mean square), {} of ground and {}{plain}{cut}",
         dsm.file.display(),
         layers.grid.columns,
         layers.grid.rows,
@@ -265,29 +270,28 @@ fn moved(layers: &Layers, chains: &[Chain], lines: &[Polyline]) -> Moved {
     moved
 }
 
-/// Returns for each building the height that walls without ground beside them reach down to: the
-/// lowest ground beside the building, or else that below it.
-fn bases(standing: &Standing, chains: &[Chain], roofs: &Roofs, floor: &Floor) -> Vec<f64> {
-    let mut bases = vec![f64::INFINITY; standing.cells.len()];
+/// Returns the foot of each building: the lowest ground beside it, or else that below it.
+fn feet(standing: &Standing, chains: &[Chain], roofs: &Roofs, floor: &Floor) -> Vec<Foot> {
+    let mut feet = vec![Foot { height: f64::INFINITY, meets_ground: false }; standing.cells.len()];
     for chain in chains.iter().filter(|chain| chain.left.min(chain.right) == GROUND) {
         let Some(roof) = roof_of(&roofs.list, chain.left.max(chain.right)) else { continue };
         let lowest =
             chain.corners.iter().map(|corner| f64::from(floor.heights.at(*corner))).fold(f64::INFINITY, f64::min);
-        if let Some(base) = bases.get_mut(roof.building as usize) {
-            *base = base.min(lowest);
+        if let Some(foot) = feet.get_mut(roof.building as usize) {
+            *foot = Foot { height: foot.height.min(lowest), meets_ground: true };
         }
     }
     let all = floor.heights.clone().into_values().into_iter().fold(f32::INFINITY, f32::min);
-    for (base, cells) in bases.iter_mut().zip(&standing.cells) {
-        if base.is_infinite() {
+    for (foot, cells) in feet.iter_mut().zip(&standing.cells) {
+        if foot.height.is_infinite() {
             let below = standing
                 .below
                 .as_ref()
                 .map(|below| cells.iter().map(|cell| below.at(*cell)).fold(f32::INFINITY, f32::min));
             let found = below.unwrap_or(all);
             let lowest = roofs.list.iter().map(|roof| roof.plane.height).fold(f64::INFINITY, f64::min);
-            *base = if found.is_finite() { f64::from(found) } else { lowest - LEAST_STEP_M };
+            foot.height = if found.is_finite() { f64::from(found) } else { lowest - LEAST_STEP_M };
         }
     }
-    bases
+    feet
 }

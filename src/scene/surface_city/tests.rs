@@ -181,6 +181,32 @@ fn voids_are_closed() {
     assert!((found.ground - 35.0 * 40.0).abs() < 1.0, "{found:?}");
 }
 
+/// A block of 8 m height that the border of the raster cuts to 6 x 10 m has walls of 176 m2 that
+/// get receivers and one of 80 m2 at the cut that gets none, also if nodata
+/// lies beyond the cut.
+#[test]
+fn cuts_are_no_facades() {
+    for nodata in [0.0, 3.0] {
+        let height = |place: DVec2| match place {
+            p if p.x < nodata => f64::NAN,
+            p if p.x < 6.0 + nodata && (p.y + 14.75).abs() < 5.0 => 28.0,
+            _ => 20.0,
+        };
+        let City { geometry, note } = made(raster(60, 60, 0.5, height), None);
+        let mut walls = [0.0; 2];
+        for number in 0..geometry.face_count() {
+            let of = geometry.note_of(number);
+            if of.kind == Some(SurfaceKind::Wall) {
+                let triangles = crate::polygon::triangles_of(&geometry, number);
+                let area = triangles.iter().map(|t| crate::covering::surfaces::area_vector(t).length()).sum::<f64>();
+                walls[usize::from(of.exposed == Some(false))] += area;
+            }
+        }
+        assert!((walls[0] - 176.0).abs() < 0.5 && (walls[1] - 80.0).abs() < 0.5, "{nodata}: {walls:?} {note}");
+        assert!(note.ends_with("the border of the raster cuts 1 building, whose wall at the cut gets no receivers"));
+    }
+}
+
 /// Noise of 0.3 m on a slope, and a car of 1.6 m, make no wall and no roof: there are 900 m2 of
 /// ground alone, within 1 m2.
 #[test]
