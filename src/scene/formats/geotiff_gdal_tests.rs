@@ -51,7 +51,7 @@ fn rasters_packed_by_gdal_keep_their_heights() {
 }
 
 /// Stored whole numbers become (0.01 n + 5) feet. Nodata is the stored value 11900, which stands
-/// for 124 ft and occurs in 14 places.
+/// for 124 ft and occurs in 14 places. Whole numbers with a scale of 0.1 lie 0.1 m apart.
 #[test]
 fn stored_numbers_in_scaled_feet_become_metres() {
     let raster = read("int32_scaled_ft.tif");
@@ -62,6 +62,7 @@ fn stored_numbers_in_scaled_feet_become_metres() {
     let raster = read("scale_offset.tif");
     let [low, high] = raster.extent();
     assert!((low.z - 150.0).abs() < 1e-4 && (high.z - 170.0).abs() < 1e-4, "{low} {high}");
+    assert!((raster.quantum_m - 0.1).abs() < 1e-9, "{}", raster.quantum_m);
 }
 
 /// Half of the samples, 720 of 1440, are nodata: by a mask in strips, in big-endian BigTIFF, in a

@@ -89,7 +89,7 @@ fn formats_and_packings_give_the_same_heights() {
     ];
     for bytes in &files {
         let raster = read(bytes).expect("a raster");
-        assert_eq!(heights(&raster), [1.0, -2.0, 3.0, 4.0, 5.0, 6.0]);
+        assert_eq!((heights(&raster), raster.quantum_m), (vec![1.0, -2.0, 3.0, 4.0, 5.0, 6.0], 1.0));
         assert_eq!((raster.grid.first, raster.grid.step), (DVec2::new(105.0, 490.0), DVec2::new(10.0, 20.0)));
         assert_eq!((raster.reference, raster.warnings.len()), (Some(Reference::Epsg(32611)), 0));
     }

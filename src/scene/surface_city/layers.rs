@@ -35,6 +35,8 @@ pub(super) struct Layers {
     pub grid: Grid,
     /// Heights of roofs and ground; NaN in cells without a height.
     pub surface: Lattice<f32>,
+    /// Step between heights of the surface, metres; 0 if it is not known.
+    pub quantum_m: f64,
     /// Heights of the ground.
     pub ground: Option<Lattice<f32>>,
     /// Heights of crowns above the ground; 0 for no crown.
@@ -79,7 +81,7 @@ impl Layers {
             }
             class
         });
-        Ok(Layers { grid, surface, ground: sampled(&with.dem, between), crown, class })
+        Ok(Layers { grid, surface, quantum_m: dsm.raster.quantum_m, ground: sampled(&with.dem, between), crown, class })
     }
 
     /// Returns the middle of a cell relative to that of the first one, metres.

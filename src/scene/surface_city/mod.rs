@@ -143,6 +143,14 @@ pub(crate) fn city(dsm: &Layer, with: &Companions, options: &SurfaceRasters) -> 
     );
     let mut geometry = writer.geometry;
     geometry.warnings.extend(closed_voids(dsm.file, standing.closed));
+    if roofs.have_stairs(layers.quantum_m) {
+        geometry.warnings.push(format!(
+            "{}: heights are whole numbers, in steps of {:.2} m; roofs are planes through the stairs that this makes of slopes, and \
+             edges and low roofs may be off by half a step",
+            dsm.file.display(),
+            layers.quantum_m
+        ));
+    }
     if drawn.kept > 0 {
         geometry.warnings.push(format!(
             "{}: {} of {} lines between roofs and ground stay along cells: drawn straight they would cross others",

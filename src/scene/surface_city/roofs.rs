@@ -7,6 +7,9 @@
 //! [`NEAR_M`] of the plane and its own surroundings lean the same way. Pieces whose heights fit one
 //! plane as well as two are joined. Small pieces and left cells go to the piece beside them that is
 //! nearest in height.
+//!
+//! Heights in whole metres make stairs of a slope. Half a step is added to the distances then, the
+//! surroundings are wider, and stairs are joined to one plane whose rounding errors they are.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
@@ -27,6 +30,20 @@ const SAME_WAY: f64 = 0.906;
 /// pieces are joined; and its largest ratio to that from their own planes.
 const ONE_PLANE_M: f64 = 0.15;
 const NEARLY: f64 = 1.15;
+/// Root mean square of rounding errors, as a share of the step between heights (sqrt(1 / 12)), and a
+/// margin.
+const ROUNDED: f64 = 0.32;
+/// Least slope of a plane through stairs (6 degrees): level roofs a step apart are two.
+const LEAST_STAIRS: f64 = 0.1;
+/// Least reach of surroundings where heights are rounded, metres: two stairs of a slope of 0.4.
+const REACH_ROUNDED_M: f64 = 2.0;
+/// Least share of the cells of a level piece within rounding errors of two slopes, for which it is
+/// their ridge.
+const STAIRS_FIT: f64 = 0.9;
+/// Most cells of that reach.
+const MOST_REACH: f64 = 10.0;
+/// Least step between heights that makes stairs, metres: smaller ones are below the noise.
+const LEAST_QUANTUM_M: f64 = 0.45;
 /// Least area of a piece of a roof, m2, and its least number of cells.
 const LEAST_PIECE_M2: f64 = 4.0;
 const LEAST_CELLS: usize = 5;
@@ -56,6 +73,13 @@ pub(super) struct Roofs {
 }
 
 impl Roofs {
+    /// Returns true if planes were fitted through stairs of heights in steps of `quantum_m`.
+    pub(super) fn have_stairs(&self, quantum_m: f64) -> bool {
+        let is_one =
+            |roof: &RoofPiece| roof.off_m > 0.5 * ROUNDED * quantum_m && roof.plane.slope.length() > LEAST_STAIRS;
+        quantum_m >= LEAST_QUANTUM_M && self.list.iter().any(is_one)
+    }
+
     /// Returns the root mean square of the distances of cells of roofs from their planes, metres.
     pub(super) fn off_m(&self) -> f64 {
         let cells: f64 = self.list.iter().map(|roof| roof.cells).sum();
@@ -93,6 +117,7 @@ pub(super) fn roofs(layers: &mut Layers, standing: &mut Standing, step_m: f64) -
         growing.grow(cells);
         growing.dilate(cells);
         growing.join(cells, first);
+        growing.split_stairs(cells);
         growing.close(cells);
     }
     let cells: Vec<Spot> = standing.cells.iter().flatten().copied().collect();
@@ -105,6 +130,11 @@ pub(super) fn roofs(layers: &mut Layers, standing: &mut Standing, step_m: f64) -
 impl Growing<'_> {
     fn height(&self, spot: Spot) -> f64 {
         f64::from(self.layers.surface.at(spot))
+    }
+
+    /// Returns the step between heights, metres, if it makes stairs of slopes, or else 0.
+    fn quantum_m(&self) -> f64 {
+        if self.layers.quantum_m >= LEAST_QUANTUM_M { self.layers.quantum_m } else { 0.0 }
     }
 
     fn add(&mut self, number: u32, spot: Spot) {
@@ -129,7 +159,10 @@ impl Growing<'_> {
 
     fn around(&self, spot: Spot) -> Around {
         // Slopes of smaller cells are noisier, so that the surroundings are some 3 m wide.
-        let reach = if self.layers.cell_m() < 0.75 { 2 } else { 1 };
+        let mut reach = if self.layers.cell_m() < 0.75 { 2 } else { 1 };
+        if self.quantum_m() > 0.0 {
+            reach = reach.max((REACH_ROUNDED_M / self.layers.cell_m()).ceil().min(MOST_REACH) as i64);
+        }
         let (own, height, mut sums) = (self.building.at(spot), self.height(spot), Sums::default());
         let origin = self.layers.middle(spot);
         for x in -reach..=reach {
@@ -154,6 +187,7 @@ impl Growing<'_> {
         seeds.sort_by(|a, b| a.1.off_m.total_cmp(&b.1.off_m));
         let least = self.least();
         let mut tried = BTreeSet::new();
+        let near_m = NEAR_M + 0.5 * self.quantum_m();
         for (seed, about) in seeds {
             if self.piece.at(seed) != NONE || tried.contains(&seed) {
                 continue;
@@ -168,7 +202,7 @@ impl Growing<'_> {
                 for other in beside {
                     let off = (self.height(other) - plane.at(self.layers.middle(other))).abs();
                     let leans = known.get(&other).is_some_and(|about| about.plane.cosine(&plane) >= SAME_WAY);
-                    if off > NEAR_M || !leans {
+                    if off > near_m || !leans {
                         continue;
                     }
                     self.add(number, other);
@@ -280,7 +314,9 @@ impl Growing<'_> {
                 let both = rms(&(*one + *two));
                 let apart =
                     ((one.count * rms(one).powi(2) + two.count * rms(two).powi(2)) / (one.count + two.count)).sqrt();
-                let limit = ONE_PLANE_M.max(NEARLY * apart);
+                let is_level = (*one + *two).plane().slope.length() < LEAST_STAIRS;
+                let rounded = if is_level { 0.0 } else { ROUNDED * self.quantum_m() };
+                let limit = ONE_PLANE_M.max(NEARLY * apart).max(rounded);
                 if both <= limit && best.is_none_or(|(least, ..)| both / limit < least) {
                     best = Some((both / limit, a.min(b), a.max(b)));
                 }
@@ -298,6 +334,46 @@ impl Growing<'_> {
             let own = self.piece.at(spot);
             if own != NONE {
                 self.piece.set(spot, root(&of, own));
+            }
+        }
+    }
+
+    /// Gives level pieces on ridges to the slopes on both sides. Rounded heights make a level stair
+    /// of a ridge, whose cells are within the rounding error of the lower one of two planes.
+    fn split_stairs(&mut self, cells: &[Spot]) {
+        let quantum_m = self.quantum_m();
+        if quantum_m == 0.0 {
+            return;
+        }
+        let mut members: BTreeMap<u32, Vec<Spot>> = BTreeMap::new();
+        for spot in cells.iter().filter(|spot| self.piece.at(**spot) != NONE) {
+            members.entry(self.piece.at(*spot)).or_default().push(*spot);
+        }
+        let is_level = |plane: &Plane| plane.slope.length() < LEAST_STAIRS;
+        for (number, cells) in members {
+            if !self.plane(number).is_some_and(|plane| is_level(&plane)) {
+                continue;
+            }
+            let beside: BTreeSet<u32> =
+                cells.iter().flat_map(|spot| self.near(*spot)).map(|other| self.piece.at(other)).collect();
+            let planes = beside.into_iter().filter_map(|number| Some((number, self.plane(number)?)));
+            let slopes: Vec<(u32, Plane)> = planes.filter(|(_, plane)| !is_level(plane)).collect();
+            let lowest = |place: DVec2| {
+                let all = slopes.iter().map(|(number, plane)| (*number, plane.at(place)));
+                all.min_by(|a, b| a.1.total_cmp(&b.1))
+            };
+            let most_m = (0.5 + ROUNDED) * quantum_m;
+            let fits = |spot: &&Spot| {
+                let found = lowest(self.layers.middle(**spot));
+                found.is_some_and(|(_, height)| (self.height(**spot) - height).abs() <= most_m)
+            };
+            let fitting = cells.iter().filter(fits).count();
+            if slopes.len() > 1 && fitting as f64 >= STAIRS_FIT * cells.len() as f64 {
+                for spot in cells {
+                    if let Some((slope, _)) = lowest(self.layers.middle(spot)) {
+                        self.add(slope, spot);
+                    }
+                }
             }
         }
     }

@@ -67,6 +67,8 @@ pub(crate) struct Raster {
     pub plane_unit_m: Option<f64>,
     /// Metres a unit of the file's heights, if the file states it.
     pub(super) height_unit_m: Option<f64>,
+    /// Step between heights, metres, if all are whole numbers as stored; 0 if they are not.
+    pub quantum_m: f64,
     /// True if the raster was joined from several files, which need not fill the grid.
     pub(super) is_joined: bool,
     pub warnings: Vec<String>,
@@ -138,6 +140,7 @@ impl Raster {
         let declared = meaning.nodata.map(|nodata| nodata as f32);
         let (mut doubtful, mut known) = (Doubtful::default(), 0_usize);
         let (mut least, mut greatest) = (f32::INFINITY, f32::NEG_INFINITY);
+        let mut are_whole = true;
         for height in &mut heights {
             let metres = (f64::from(*height) * factor + shift) as f32;
             *height = match *height {
@@ -148,6 +151,7 @@ impl Raster {
                 _ if !(EARTH_M[0]..=EARTH_M[1]).contains(&metres) => doubtful.beyond(metres),
                 _ => {
                     known += 1;
+                    are_whole &= height.fract() == 0.0;
                     (least, greatest) = (least.min(metres), greatest.max(metres));
                     metres
                 }
@@ -175,6 +179,7 @@ impl Raster {
             reference: meaning.reference,
             plane_unit_m: meaning.plane_unit_m,
             height_unit_m: meaning.height_unit_m,
+            quantum_m: if are_whole { factor.abs() } else { 0.0 },
             is_joined: false,
             warnings,
         })
@@ -188,6 +193,7 @@ impl Raster {
             reference: None,
             plane_unit_m: None,
             height_unit_m: None,
+            quantum_m: 0.0,
             is_joined: false,
             warnings: Vec::new(),
         }
@@ -238,6 +244,7 @@ impl Raster {
         }
         self.grid.first = self.grid.first * plane + shift.truncate();
         self.grid.step *= plane;
+        self.quantum_m *= height.abs();
         for metres in &mut self.heights {
             *metres = (f64::from(*metres) * height + shift.z) as f32;
         }
