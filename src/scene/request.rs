@@ -57,7 +57,9 @@ impl SceneRequest {
         self.footprints.check().map_err(|(field, what)| Error::argument(field, what, "give metres above 0"))?;
         let mut site = Site::of(&self.files, self.materials.as_deref())?;
         if let Some(rasters) = &self.surface {
-            rasters.check().map_err(|(field, what)| Error::argument(field, what, "give a value in that range"))?;
+            let hint =
+                if rasters.dsm.as_os_str().is_empty() { SurfaceRasters::NEEDED } else { "give a value in that range" };
+            rasters.check().map_err(|(field, what)| Error::argument(field, what, hint))?;
             site.parts.push(Part::surface(rasters, self.materials.as_deref()));
         }
         if !self.no_ground {

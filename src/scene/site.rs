@@ -226,7 +226,7 @@ const KEYS: &str = "write a table [[scene]] for each file: file = \"town.city.js
                     rotate_deg = 30 (clockwise), elevation_m = 512, epsg = 28992 or latitude_deg and longitude_deg, \
                     lod = \"2.2\", assume_version = \"25.2\" of EnergyPlus, for terrain horizon_deg = 0.2, for footprints \
                     height = \"height\" (a column, metres, or a list of such), storey_height = 3.0, base = \"ground\" and layer = \"buildings\"; in place of \
-                    file for rasters of a city dsm = \"dsm.tif\" and optionally dem, canopy, landcover, step_m, least_building_m2, \
+                    file for rasters of a city dsm = \"dsm.tif\" and optionally dem, canopy (both without dsm for trees alone), landcover, step_m, least_building_m2, \
                     trunk_share, crown_transmittance; what holds for all files stands in a table [site]: epsg, latitude_deg, \
                     longitude_deg, rotate_deg, elevation_m, scale, up";
 
@@ -382,20 +382,19 @@ fn footprints_of(entry: &Entry) -> std::result::Result<FootprintOptions, String>
 
 /// Returns the rasters of a city that an entry lists, if any.
 fn surface(entry: &Entry, folder: &Path) -> std::result::Result<Option<SurfaceRasters>, String> {
+    let Entry { dsm, dem, canopy, landcover, .. } = entry;
+    let files = SurfaceRasters::of_files(dsm.clone(), dem.clone(), canopy.clone(), landcover.clone());
     let found = SurfaceRasters {
-        dsm: entry.dsm.clone().unwrap_or_default(),
-        dem: entry.dem.clone(),
-        canopy: entry.canopy.clone(),
-        landcover: entry.landcover.clone(),
         step_m: entry.step_m,
         least_building_m2: entry.least_building_m2,
         trunk_share: entry.trunk_share,
         crown_transmittance: entry.crown_transmittance,
+        ..files.unwrap_or_default()
     };
-    match &entry.dsm {
-        None if found == SurfaceRasters::default() => Ok(None),
-        None => Err("rasters of a city need a `dsm`".to_owned()),
-        Some(_) => {
+    match found.dsm.as_os_str().is_empty() {
+        true if found == SurfaceRasters::default() => Ok(None),
+        true => Err("rasters of a city need a `dsm`, or `dem` and `canopy` for trees alone".to_owned()),
+        false => {
             found.check().map_err(|(_, what)| what)?;
             found.with_paths(|path| Ok(folder.join(path))).map(Some)
         }

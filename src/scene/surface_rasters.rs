@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SurfaceRasters {
-    /// Heights of roofs and ground above sea level (DSM).
+    /// Heights of roofs and ground above sea level (DSM); the same file as `dem` for trees alone.
     pub dsm: PathBuf,
     /// Heights of the ground above sea level (DEM, DTM); beyond the surface it goes on as terrain.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -53,9 +53,31 @@ impl SurfaceRasters {
         SurfaceRasters { dsm: dsm.into(), ..SurfaceRasters::default() }
     }
 
+    /// Rasters without which no other one has a meaning.
+    pub const NEEDED: &str = "give the heights of the surface ({dsm}), or those of the ground ({dem}) and of crowns ({canopy}) for trees alone";
+
+    /// Returns a request for the rasters that are given, or `None` if none is. Without a surface
+    /// the ground below crowns is one; [`SurfaceRasters::check`] refuses any other lack of it.
+    pub fn of_files(
+        dsm: Option<PathBuf>,
+        dem: Option<PathBuf>,
+        canopy: Option<PathBuf>,
+        landcover: Option<PathBuf>,
+    ) -> Option<Self> {
+        let ground = dem.clone().filter(|_| canopy.is_some());
+        let found = SurfaceRasters { dem, canopy, landcover, ..SurfaceRasters::of(dsm.or(ground).unwrap_or_default()) };
+        (found != SurfaceRasters::default()).then_some(found)
+    }
+
+    /// Returns true if the surface is the ground itself: nothing stands on it but trees.
+    pub(crate) fn is_bare(&self) -> bool {
+        self.dem.as_ref() == Some(&self.dsm) && self.canopy.is_some()
+    }
+
     /// Returns the paths of all rasters, `dsm` first.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         let beside = [&self.dem, &self.canopy, &self.landcover].into_iter().flatten();
+        let beside = beside.filter(|path| **path != self.dsm);
         std::iter::once(&self.dsm).chain(beside).map(PathBuf::as_path)
     }
 
@@ -79,6 +101,9 @@ impl SurfaceRasters {
             }
             _ => Ok(()),
         };
+        if self.dsm.as_os_str().is_empty() {
+            return Err(("dsm", "is missing beside other rasters".to_owned()));
+        }
         within("step_m", self.step_m, 0.1, 100.0)?;
         within("least_building_m2", self.least_building_m2, 0.0, 1e6)?;
         within("trunk_share", self.trunk_share, 0.0, 0.95)?;
@@ -111,6 +136,22 @@ const STEEPEST_ROOF: f64 = 2.0;
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Ground with crowns is a surface of its own, whose file counts once; ground, crowns or land
+    /// cover alone are refused for want of a surface.
+    #[test]
+    fn ground_with_crowns_needs_no_surface() {
+        let [a, b, c] = ["a.tif", "b.tif", "c.tif"].map(|name| Some(PathBuf::from(name)));
+        let forest = SurfaceRasters::of_files(None, a.clone(), b.clone(), c.clone()).expect("a request");
+        assert!(forest.is_bare() && forest.check().is_ok());
+        assert_eq!(forest.files().collect::<Vec<_>>(), ["a.tif", "b.tif", "c.tif"].map(Path::new));
+        assert!(!SurfaceRasters::of_files(a.clone(), b.clone(), c.clone(), None).expect("a request").is_bare());
+        for [dem, canopy, landcover] in [[a, None, None], [None, b, None], [None, None, c]] {
+            let found = SurfaceRasters::of_files(None, dem, canopy, landcover).expect("a request");
+            assert_eq!(found.check().expect_err("no surface").0, "dsm");
+        }
+        assert_eq!(SurfaceRasters::of_files(None, None, None, None), None);
+    }
 
     /// A request of 2 fields is read back as it was written; 4 numbers out of range are refused
     /// with their field.

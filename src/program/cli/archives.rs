@@ -91,10 +91,10 @@ pub enum StoreCommand {
 #[derive(Args, Debug)]
 pub struct InfoArgs {
     /// Archive or atlas to describe (a path or an address), or scene files as for `build`
-    #[arg(required_unless_present_any = ["dsm", "weather"], value_name = "SITE.helio|SCENE")]
+    #[arg(required_unless_present_any = ["dsm", "dem", "canopy", "landcover", "weather"], value_name = "SITE.helio|SCENE")]
     pub files: Vec<PathBuf>,
     /// Weather file to describe: its place, clock and irradiation by month as `replay` reads them
-    #[arg(long, short, conflicts_with_all = ["files", "dsm"], value_name = "FILE")]
+    #[arg(long, short, conflicts_with_all = ["files", "dsm", "dem"], value_name = "FILE")]
     pub weather: Option<PathBuf>,
     #[command(flatten)]
     pub about_weather: ClockArgs,

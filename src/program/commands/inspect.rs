@@ -39,7 +39,7 @@ pub fn info(args: &InfoArgs) -> Result<Outcome> {
         return Ok(Outcome::Fine);
     }
     let path = match args.files.as_slice() {
-        [path] if is_archive(path) && args.rasters.dsm.is_none() => path,
+        [path] if is_archive(path) && args.rasters.files().next().is_none() => path,
         files => {
             let (frame, footprints) = (args.place.frame(), args.footprints.options());
             let surface = args.rasters.request();

@@ -53,7 +53,7 @@ class Scene:
     dsm, dem, canopy, landcover
         Rasters from which a city is read (GeoTIFF, Esri ASCII grid): heights of the surface and of
         the ground above the sea, heights of crowns above the ground, codes of land cover. With
-        `dsm` no other file is needed.
+        `dsm` no other file is needed, nor with `dem` and `canopy`: ground with trees alone.
     """
 
     def __init__(

@@ -147,12 +147,7 @@ impl SceneArgs {
                 scale: self.scale,
                 up,
             },
-            surface: self.dsm.map(|dsm| SurfaceRasters {
-                dem: self.dem,
-                canopy: self.canopy,
-                landcover: self.landcover,
-                ..SurfaceRasters::of(dsm)
-            }),
+            surface: SurfaceRasters::of_files(self.dsm, self.dem, self.canopy, self.landcover),
         })
     }
 }

@@ -107,6 +107,15 @@ impl Layers {
     }
 }
 
+/// Returns the heights of a raster interpolated on another grid.
+pub(super) fn resampled(raster: Raster, grid: Grid) -> Raster {
+    let mut onto = Raster::plain(grid, Vec::new());
+    (onto.reference, onto.plane_unit_m) = (raster.reference, raster.plane_unit_m);
+    let spots = (0..grid.rows as i64).flat_map(|row| (0..grid.columns as i64).map(move |column| (column, row)));
+    onto.heights = spots.map(|(column, row)| between(&raster, onto.plan(column, row))).collect();
+    onto
+}
+
 /// Checks that a surface is not too large to become a city at once.
 fn check_size(file: &Path, grid: &Grid) -> Result<()> {
     let cells = grid.columns as u64 * grid.rows as u64;

@@ -130,14 +130,20 @@ pub(crate) fn city(dsm: &Layer, with: &Companions, options: &SurfaceRasters) -> 
         1 => "; the border of the raster cuts 1 building, whose wall at the cut gets no receivers".to_owned(),
         many => format!("; the border of the raster cuts {many} buildings, whose walls at the cut get no receivers"),
     };
+    let roofs_with = match roofs.list.len() as u64 {
+        0 => String::new(),
+        count => format!(
+            "{} with {} (their heights are {:.2} m off, root mean square), ",
+            counted(standing.cells.len() as u64, "building"),
+            counted(count, "roof"),
+            roofs.off_m()
+        ),
+    };
     let note = format!(
-        "{}: {} x {} cells became {} with {} (their heights are {:.2} m off, root mean square), {} of ground and {}{plain}{cut}",
+        "{}: {} x {} cells became {roofs_with}{} of ground and {}{plain}{cut}",
         dsm.file.display(),
         layers.grid.columns,
         layers.grid.rows,
-        counted(standing.cells.len() as u64, "building"),
-        counted(roofs.list.len() as u64, "roof"),
-        roofs.off_m(),
         counted(floor.triangles.len() as u64, "triangle"),
         counted(crowns as u64, "crown"),
     );

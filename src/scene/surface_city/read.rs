@@ -12,7 +12,7 @@ use crate::placing::frame::SiteFrame;
 use crate::reference::Reference;
 use crate::region_part::RegionPart;
 use crate::site::Part;
-use crate::surface_city::layers::{Companions, Layer, MOST_CELLS, check_place};
+use crate::surface_city::layers::{Companions, Layer, MOST_CELLS, check_place, resampled};
 use crate::surface_city::{City, city};
 use crate::surface_rasters::SurfaceRasters;
 use crate::terrain::raster::{Grid, Raster};
@@ -158,6 +158,12 @@ fn placed<'a>(
     warnings.append(&mut dsm.raster.warnings);
     for other in [&with.dem, &with.canopy, &with.landcover].into_iter().flatten() {
         check_place(&dsm, other)?;
+    }
+    // Trees alone stand on the finer grid of ground and crowns.
+    if let Some(crowns) = with.canopy.as_ref().filter(|_| options.is_bare())
+        && crowns.raster.grid.step.max_element() < dsm.raster.grid.step.max_element()
+    {
+        dsm.raster = resampled(dsm.raster, crowns.raster.grid);
     }
     Ok(Rasters { dsm, with, warnings })
 }

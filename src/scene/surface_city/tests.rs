@@ -289,6 +289,41 @@ fn a_crown_over_a_lawn_is_a_hull() {
     assert_eq!((trees.len(), trees[0].object.as_str()), (1, "trees_1012_1988"));
 }
 
+/// Ground in cells of 5 m that rises by 0.2 m a metre, with crowns in cells of 0.5 m and no surface,
+/// is a forest: 900 m2 of ground, no roof, and the hull of a crown of 6 x 6 m whose top stands 8 m
+/// above the ground.
+#[test]
+fn ground_and_crowns_are_a_forest() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |name: &str, cells: usize, cell_m: f64, height: &dyn Fn(f64, f64) -> f64| {
+        let middle = |i: usize| (i as f64 + 0.5) * cell_m;
+        let line = |row: usize| (0..cells).map(|i| format!("{} ", height(middle(i), middle(row)))).collect::<String>();
+        let lines: Vec<String> = (0..cells).map(line).collect();
+        let text = format!(
+            "ncols {cells}\nnrows {cells}\nxllcorner 0\nyllcorner 0\ncellsize {cell_m}\n{}\n",
+            lines.join("\n")
+        );
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).expect("a raster");
+        path
+    };
+    let dem = write("dem.asc", 8, 5.0, &|x, _| 100.0 + 0.2 * x);
+    let is_crown = |x: f64, y: f64| (x - 15.0).abs() < 3.0 && (y - 15.0).abs() < 3.0;
+    let canopy = write("chm.asc", 60, 0.5, &|x, y| if is_crown(x, y) { 8.0 } else { 0.0 });
+    let options = SurfaceRasters::of_files(None, Some(dem.clone()), Some(canopy), None).expect("a request");
+    let part = crate::site::Part::surface(&options, None);
+    let read = crate::formats::read(&dem, &crate::formats::Asked::default()).expect("a raster");
+    let crate::formats::Content::Terrain(raster) = read else { panic!("no raster") };
+    let found = read::windows_of(&part, raster, &options, &Default::default(), 512).expect("a forest");
+    let [found] = found.as_slice() else { panic!("{} windows", found.len()) };
+    let found = areas(found);
+    assert_eq!((found.roof, found.wall), (0.0, 0.0));
+    assert!((found.ground - 900.0).abs() < 1e-6, "{found:?}");
+    // Top and underside lean by 0.2, the sides are 6 m high.
+    let hull = 2.0 * 36.0 * 1.04_f64.sqrt() + 4.0 * 36.0;
+    assert!((found.canopy - hull).abs() < 1.0, "{found:?} {hull}");
+}
+
 /// A tower of 6 x 6 x 12 m on a podium of 14 x 14 x 5 m without a raster of the ground is one
 /// building with roofs of 196 m2 and walls of 280 and 288 m2.
 #[test]

@@ -12,24 +12,24 @@ pub struct RasterArgs {
     #[arg(long, value_name = "FILE")]
     pub dsm: Option<PathBuf>,
     /// Raster of ground heights above sea level (DEM, DTM): parts of --dsm that are at least 2 m
-    /// higher are buildings, and it continues beyond --dsm as terrain
-    #[arg(long, value_name = "FILE", requires = "dsm")]
+    /// higher are buildings, and it continues beyond --dsm as terrain; with --canopy and without
+    /// --dsm, ground with trees alone
+    #[arg(long, value_name = "FILE")]
     pub dem: Option<PathBuf>,
     /// Raster of the heights of tree crowns above the ground (CDSM): crowns become canopies of the
     /// group `trees` that let 3 % of the light through
-    #[arg(long, value_name = "FILE", requires = "dsm")]
+    #[arg(long, value_name = "FILE")]
     pub canopy: Option<PathBuf>,
     /// Raster of land cover in UMEP's codes: 1 paved, 2 buildings, 5 grass, 6 bare soil, 7 water
-    #[arg(long, value_name = "FILE", requires = "dsm")]
+    #[arg(long, value_name = "FILE")]
     pub landcover: Option<PathBuf>,
 }
 
 impl RasterArgs {
     /// Returns the rasters, if they are given.
     pub fn request(&self) -> Option<SurfaceRasters> {
-        let dsm = self.dsm.clone()?;
-        let RasterArgs { dem, canopy, landcover, .. } = self.clone();
-        Some(SurfaceRasters { dem, canopy, landcover, ..SurfaceRasters::of(dsm) })
+        let RasterArgs { dsm, dem, canopy, landcover } = self.clone();
+        SurfaceRasters::of_files(dsm, dem, canopy, landcover)
     }
 
     /// Returns all raster files.

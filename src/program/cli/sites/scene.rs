@@ -20,7 +20,7 @@ pub struct SceneArgs {
     /// .shp, .gpkg, .parquet), terrain (.tif, .asc, .dem), EnergyPlus (.epjson, .idf), Honeybee
     /// (.hbjson), glTF (.gltf, .glb), .obj, .ply, .stl; also packed (.gz, .zip). Coordinates are
     /// metres, x east, y north, z up; footprints and CityGML may be in degrees
-    #[arg(required_unless_present = "dsm", value_name = "SCENE")]
+    #[arg(required_unless_present_any = ["dsm", "dem", "canopy", "landcover"], value_name = "SCENE")]
     pub scene: Vec<PathBuf>,
     #[command(flatten)]
     pub rasters: RasterArgs,
@@ -144,7 +144,7 @@ impl SceneArgs {
 
     /// Returns the first file, which messages about the scene name.
     pub fn first(&self) -> &Path {
-        self.scene.first().or(self.rasters.dsm.as_ref()).map_or(Path::new(""), PathBuf::as_path)
+        self.scene.first().or(self.rasters.files().next()).map_or(Path::new(""), PathBuf::as_path)
     }
 }
 
