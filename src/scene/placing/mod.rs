@@ -2,6 +2,7 @@
 //! of the geometry. Out: the place, and warnings about geometry that looks as if it were in another
 //! unit or place. This module knows neither files nor materials.
 
+pub(crate) mod axis_order;
 pub mod extent;
 pub mod frame;
 pub(crate) mod from_degrees;

@@ -1,8 +1,8 @@
 //! Coordinates of a file as metres east, north and up. In: names of coordinate systems, and three
 //! numbers at a time. Out: positions, their coordinate system, and notes on what was decided.
 //!
-//! Latitude and longitude (latitude first, as in the EPSG register) become metres of the scene's
-//! plane system, or of UTM. In a plane system the first position of the file decides which number
+//! Latitude and longitude become metres of the scene's plane system, or of UTM. Latitude comes
+//! first, as in the EPSG register, unless that order cannot be meant (`axis_order`). In a plane system the first position of the file decides which number
 //! is the easting: the one order in which a metre of the system is about a metre on the ground
 //! there. Where both orders pass, a URN or address follows the register, and any other name means
 //! easting, northing.
@@ -13,13 +13,10 @@ use crate::coordinate::is_position;
 use crate::epsg_numbers::{Axes, axes_of, horizontal_part};
 use crate::formats::citygml::northing_first::is_northing_first;
 use crate::formats::citygml::srs_name::SrsName;
+use crate::placing::axis_order::{Degrees, STRETCH, Swap, stretch};
 use crate::placing::from_degrees::FromDegrees;
 use crate::reference::{PlaneSystem, Reference, Unplaced};
 use crate::text::excerpt;
-
-/// Relative difference between a metre of a system and a metre on the ground that is allowed where
-/// the system is made for the place.
-const STRETCH: f64 = 0.01;
 
 /// Reason why a position cannot be computed.
 pub(super) enum Unusable {
@@ -144,42 +141,35 @@ impl Coordinates {
     }
 
     fn of_degrees(&mut self, epsg: u32, [a, b]: [f64; 2]) -> Result<Way, Unusable> {
-        const SWAP: &str =
-            "write latitude before longitude, as the system has them, or state CRS84 where longitude comes first";
-        let longitude_first = self.stated.as_ref().is_some_and(|(_, name)| name.longitude_first);
-        let (latitude, longitude) = if longitude_first { (b, a) } else { (a, b) };
-        let range = |latitude: f64, longitude: f64| latitude.abs() <= 90.0 && longitude.abs() <= 360.0;
-        if !range(latitude, longitude) {
-            let swapped = range(longitude, latitude);
-            let what = format!(
-                "the first corner has latitude {latitude} and longitude {longitude} of EPSG:{epsg}{}",
-                if swapped { ": the two seem to be swapped" } else { "" }
-            );
-            let hint = if swapped { SWAP } else { "correct `srsName`: coordinates of this system are degrees" };
-            return Err(Unusable::File { what, hint });
+        let Some((text, name)) = &self.stated else { return Ok(Way::Plain) };
+        let order = |longitude_first| if longitude_first { (b, a) } else { (a, b) };
+        let (latitude, longitude) = order(name.longitude_first);
+        let stated = Degrees { latitude, longitude };
+        let is_certain = name.is_formal || name.longitude_first;
+        let swap = Swap::of(Some(epsg), self.scene, stated, is_certain);
+        let read = if swap.is_some() { stated.swapped() } else { stated };
+        if !read.is_in_range() {
+            let what = format!("the first corner has {stated} of EPSG:{epsg}");
+            return Err(Unusable::File { what, hint: "correct `srsName`: coordinates of this system are degrees" });
         }
-        let from = FromDegrees::new(Some(epsg), self.scene, latitude, longitude).map_err(|why| {
+        let from = FromDegrees::new(Some(epsg), self.scene, read.latitude, read.longitude).map_err(|why| {
             let what = match (self.scene, why) {
                 (Some(scene), Unplaced::Unknown) => format!("degrees cannot be converted to metres of EPSG:{scene}"),
-                _ => format!("latitude {latitude} and longitude {longitude} have no plane coordinates"),
+                _ => format!("{read} have no plane coordinates"),
             };
             Unusable::File { what, hint: "reproject the file to a system in metres, such as the national grid or UTM" }
         })?;
-        // The system of the scene shows a swap: two numbers that fit it only in the other order are
-        // swapped.
-        let fits = |latitude: f64, longitude: f64| {
-            let plane = from.plane(latitude, longitude)?;
-            let Reference::Epsg(epsg) = from.reference() else { return None };
-            let unit = from.reference().unit_m();
-            stretch(epsg, plane.x / unit, plane.y / unit).filter(|stretch| *stretch <= STRETCH)
-        };
-        if self.scene.is_some() && fits(latitude, longitude).is_none() && fits(longitude, latitude).is_some() {
-            let what = format!(
-                "latitude {latitude} and longitude {longitude} of EPSG:{epsg} lie far outside of {}; swapped, they would lie in it",
-                from.reference()
-            );
-            return Err(Unusable::File { what, hint: SWAP });
+        if let Some(swap) = swap {
+            self.doubts.push(swap.sentence(stated));
+        } else if !is_certain && self.scene.is_none() && stated.swapped().is_in_range() {
+            // Writers of such names use both orders (OGC 05-077r4 has longitude first).
+            self.doubts.push(format!(
+                "`srsName` is `{}`, which does not say whether latitude comes first: the first position is read as {read}; if longitude \
+                 comes first, write `urn:ogc:def:crs:OGC:1.3:CRS84`",
+                excerpt(text.as_bytes())
+            ));
         }
+        let longitude_first = name.longitude_first != swap.is_some();
         let reference = from.reference();
         self.notes.push(format!("latitude and longitude (EPSG:{epsg}) are converted to metres of {reference}"));
         Ok(Way::Degrees { from: Box::new(from), longitude_first })
@@ -211,14 +201,6 @@ impl Coordinates {
         }
         Way::Plane { northing_first, unit_m, height_unit_m }
     }
-}
-
-/// Returns the relative difference between a metre of a system and a metre on the ground, at a
-/// point in the system's own unit.
-fn stretch(epsg: u32, x: f64, y: f64) -> Option<f64> {
-    let reference = Reference::Epsg(epsg);
-    let (_, length) = reference.locate(x, y).ok()?;
-    Some((length / reference.unit_m() - 1.0).abs())
 }
 
 #[cfg(test)]
@@ -264,18 +246,33 @@ mod tests {
         assert!((feet.z - 3.048_006).abs() < 1e-6, "{feet}");
     }
 
-    /// Six hopeless coordinates are refused: swapped degrees of Japan, swapped degrees beside a
-    /// German scene, geocentric ones, numbers that are no degrees, and two systems in one file, one
-    /// of which comes late.
+    /// Positions in the wrong order are read in the other one, with a warning: a latitude beyond 90,
+    /// degrees far from a German scene, Antarctica under a plain name. The plain name of a place that
+    /// may be meant gets a warning, a URN none. Positions are those of pyproj 3.7.2, within 0.1 m.
     #[test]
-    fn wrong_orders_and_systems_are_named() {
-        for (system, scene, numbers, said) in [
-            ("EPSG:6697", None, [139.7, 35.25, 0.0], "swapped"),
-            ("EPSG:4258", Some(25832), [9.0, 52.0, 0.0], "swapped, they would lie in it"),
-            ("EPSG:4978", None, [3.9e6, 3e5, 5e6], "geocentric"),
-            ("EPSG:4326", None, [3.9e6, 3e5, 5.0], "latitude 3900000"),
+    fn degrees_in_an_impossible_order_are_swapped() {
+        for (system, scene, numbers, expected, said) in [
+            ("EPSG:6697", Some(6677), [139.7, 35.25, 9.0], [-12_133.41, -83_197.58, 9.0], "no place on Earth"),
+            ("EPSG:4258", Some(25832), [9.0, 52.0, 0.0], [500_000.0, 5_761_038.21, 0.0], "far outside of EPSG:25832"),
+            ("EPSG:4326", None, [-77.0, 38.9, 0.0], [326_565.46, 4_307_580.85, 0.0], "in Antarctica"),
+            ("EPSG:4326", None, [52.0, 9.0, 0.0], [500_000.0, 5_761_038.21, 0.0], "does not say whether"),
         ] {
-            let what = placed(system, scene, numbers).err().expect(system);
+            let (found, coordinates) = placed(system, scene, numbers).expect(system);
+            assert!(found.distance(DVec3::from(expected)) < 0.1, "{system} {numbers:?}: {found}");
+            assert!(coordinates.doubts.first().is_some_and(|doubt| doubt.contains(said)), "{:?}", coordinates.doubts);
+        }
+        let (_, formal) = placed("urn:ogc:def:crs:EPSG::4326", None, [52.0, 9.0, 0.0]).expect("degrees");
+        assert_eq!((formal.reference(), formal.doubts.len()), (Some(Reference::Epsg(32632)), 0));
+    }
+
+    /// Four hopeless coordinates are refused: geocentric ones, numbers that are no degrees, and two
+    /// systems in one file, one of which comes late.
+    #[test]
+    fn wrong_systems_are_named() {
+        for (system, numbers, said) in
+            [("EPSG:4978", [3.9e6, 3e5, 5e6], "geocentric"), ("EPSG:4326", [3.9e6, 3e5, 5.0], "latitude 3900000")]
+        {
+            let what = placed(system, None, numbers).err().expect(system);
             assert!(what.contains(said), "{what}");
         }
         let (_, mut first) = placed("EPSG:25832", None, [5e5, 5.8e6, 0.0]).expect("metres");

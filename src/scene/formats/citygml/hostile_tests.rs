@@ -48,7 +48,7 @@ fn unreadable_files_are_refused_with_a_reason() {
         (model(""), "holds no city objects"),
         (building(""), "none of the 1 city objects has a surface"),
         (with("EPSG:25832", "EPSG:4978"), "geocentric"),
-        (with("EPSG:25832", "EPSG:6697").replace("10 10 5", "139 35 5").replace("0 0", "139 35"), "swapped"),
+        (with("EPSG:25832", "EPSG:6697").replace("10 10 5", "139 135 5").replace("0 0", "139 135"), "latitude 139"),
         (with("<?xml version=\"1.0\"?>", "<!DOCTYPE a [<!ENTITY x \"y\">]>"), "DOCTYPE declares"),
         (sound[..sound.len() / 2].to_owned(), "the file ends within"),
     ] {

@@ -75,3 +75,23 @@ fn names_places_and_missing_heights_are_those_of_the_file() {
     let message = load("campus_z.geojson").err().expect("refused");
     assert!(message.contains("1 without a height"), "{message}");
 }
+
+/// Two files with latitude first are read in the other order, with a warning, where the stated one
+/// lies in Antarctica under a named EPSG:4326 or beyond a latitude of 90: 200 m2 in Washington and
+/// near Tokyo, within 0.3 %.
+#[test]
+fn latitude_first_is_read_where_longitude_first_cannot_be_meant() {
+    for (name, latitude, longitude, said) in [
+        ("lat_first_4326.geojson", 38.9, -77.0, "which is in Antarctica"),
+        ("lat_first_beyond_90.geojson", 35.25, 139.7, "no place on Earth"),
+    ] {
+        let (scene, soup) = load(name).expect(name);
+        let (place, [roof, _]) = (scene.place.expect("a place"), areas_m2(&scene, &soup));
+        assert!(
+            (place.latitude_deg - latitude).abs() < 1e-3 && (place.longitude_deg - longitude).abs() < 1e-3,
+            "{place:?}"
+        );
+        assert!((roof / 200.0 - 1.0).abs() < 3e-3, "{name}: {roof}");
+        assert!(scene.report.warnings.iter().any(|warning| warning.contains(said)), "{:?}", scene.report.warnings);
+    }
+}

@@ -229,6 +229,7 @@ impl<'a> Collector<'a> {
         self.geometry.reference = placing.reference;
         self.geometry.in_metres = placing.in_metres;
         self.geometry.notes.extend(placing.note);
+        self.geometry.doubts.extend(placing.doubt);
         self.mend();
         self.say();
         Ok(self.geometry)

@@ -72,7 +72,7 @@ pub(super) fn read(bytes: &[u8], file: &Path, take: &mut TakeFeature) -> Result<
         None => FeatureSystem::WGS84,
         Some(name) if name.to_uppercase().contains("CRS84") => FeatureSystem::WGS84,
         Some(name) => match epsg_numbers_in(&name).first() {
-            Some(epsg) => FeatureSystem::of_epsg(*epsg),
+            Some(epsg) => FeatureSystem { is_order_open: true, ..FeatureSystem::of_epsg(*epsg) },
             None => FeatureSystem::of_text(&name),
         },
     };

@@ -8,6 +8,7 @@ use heliotile_core::error::{Error, Result};
 
 use crate::epsg_numbers::{Axes, axes_of};
 use crate::formats::wkt::TextSystem;
+use crate::placing::axis_order::{Degrees, Swap};
 use crate::placing::from_degrees::FromDegrees;
 use crate::reference::{PlaneSystem, Reference, Unplaced};
 use crate::text::excerpt;
@@ -24,6 +25,9 @@ pub(super) struct FeatureSystem {
     pub axes: Option<Axes>,
     /// Unit of plane coordinates, metres, if the file states it.
     pub unit_m: Option<f64>,
+    /// True if the file names a system in degrees whose register has latitude first, so that writers
+    /// disagree on the order.
+    pub is_order_open: bool,
     /// Sentences on the file that its reader has for the user.
     pub doubts: Vec<String>,
 }
@@ -33,8 +37,13 @@ const OTHER_WEB_MAPS: [u32; 4] = [900_913, 102_100, 102_113, 3785];
 
 impl FeatureSystem {
     /// Longitude and latitude on WGS 84.
-    pub(super) const WGS84: FeatureSystem =
-        FeatureSystem { epsg: Some(4326), axes: Some(Axes::Degrees), unit_m: None, doubts: Vec::new() };
+    pub(super) const WGS84: FeatureSystem = FeatureSystem {
+        epsg: Some(4326),
+        axes: Some(Axes::Degrees),
+        unit_m: None,
+        is_order_open: false,
+        doubts: Vec::new(),
+    };
 
     /// Returns the system of an EPSG number.
     pub(super) fn of_epsg(epsg: u32) -> FeatureSystem {
@@ -62,8 +71,8 @@ impl FeatureSystem {
 pub(super) enum ToMetres {
     /// Plane coordinates, times the length of their unit in metres.
     Scaled(f64),
-    /// Longitude and latitude.
-    Degrees(Box<FromDegrees>),
+    /// Longitude and latitude, in this order unless latitude is first.
+    Degrees { system: Box<FromDegrees>, latitude_first: bool },
     /// Plane coordinates whose metre is not a metre on the ground, converted by way of longitude
     /// and latitude.
     Plane(Box<PlaneSystem>, Box<FromDegrees>),
@@ -77,6 +86,8 @@ pub(super) struct Placing {
     pub in_metres: bool,
     /// Sentence on the conversion, for the user.
     pub note: Option<String>,
+    /// Sentence on an order of coordinates that is not the stated one.
+    pub doubt: Option<String>,
 }
 
 impl Placing {
@@ -86,12 +97,13 @@ impl Placing {
         let [low, high] = bounds;
         let middle = 0.5 * (low + high);
         let like_degrees = low.x >= -180.0 && high.x <= 180.0 && low.y >= -90.0 && high.y <= 90.0;
+        let like_swapped = low.y >= -180.0 && high.y <= 180.0 && low.x >= -90.0 && high.x <= 90.0;
         let is_degrees = match stated.axes {
             Some(Axes::Geocentric) => {
                 let hint = "reproject the file to a system in metres, such as the national grid or UTM";
                 return Err(Error::input(file, None, "its coordinates are geocentric", hint));
             }
-            Some(Axes::Degrees) if !like_degrees => {
+            Some(Axes::Degrees) if !like_degrees && !like_swapped => {
                 let what = format!(
                     "its coordinates are stated as longitude and latitude, but reach from {:.1} {:.1} to {:.1} {:.1}",
                     low.x, low.y, high.x, high.y
@@ -106,15 +118,22 @@ impl Placing {
             FromDegrees::new(geographic, asked, latitude, longitude).map_err(|why| unplaced(file, why, asked))
         };
         if is_degrees {
-            let system = to(stated.epsg, middle.x, middle.y)?;
+            let at = Degrees { latitude: middle.y, longitude: middle.x };
+            let swap = match like_degrees {
+                true => Swap::of(stated.epsg, asked, at, !stated.is_order_open).filter(|_| like_swapped),
+                false => Some(Swap::Impossible),
+            };
+            let doubt = swap.map(|swap| swap.sentence(if like_degrees { at } else { impossible(bounds) }));
+            let read = if swap.is_some() { at.swapped() } else { at };
+            let system = to(stated.epsg, read.longitude, read.latitude)?;
             let reference = system.reference();
             let note = format!(
                 "{}: longitude and latitude are converted to metres of {reference}{}",
                 file.display(),
                 if asked.is_some() { "" } else { ", the UTM zone of its middle ({crs} sets another system)" }
             );
-            let to_metres = ToMetres::Degrees(Box::new(system));
-            return Ok(Placing { to_metres, reference: Some(reference), in_metres: true, note: Some(note) });
+            let to_metres = ToMetres::Degrees { system: Box::new(system), latitude_first: swap.is_some() };
+            return Ok(Placing { to_metres, reference: Some(reference), in_metres: true, note: Some(note), doubt });
         }
         // A metre of Web Mercator is not a metre on the ground.
         if stated.epsg == Some(WEB_MAPS) && asked != Some(WEB_MAPS) {
@@ -128,7 +147,13 @@ impl Placing {
                 file.display()
             );
             let to_metres = ToMetres::Plane(Box::new(plane), Box::new(system));
-            return Ok(Placing { to_metres, reference: Some(reference), in_metres: true, note: Some(note) });
+            return Ok(Placing {
+                to_metres,
+                reference: Some(reference),
+                in_metres: true,
+                note: Some(note),
+                doubt: None,
+            });
         }
         let unit_m = stated.plane_unit_m();
         let reference = stated.epsg.map(Reference::Epsg);
@@ -146,6 +171,7 @@ impl Placing {
             reference,
             in_metres: unit_m.is_some(),
             note: None,
+            doubt: None,
         })
     }
 }
@@ -155,13 +181,20 @@ impl ToMetres {
     pub(super) fn place(&self, at: DVec2) -> Option<DVec2> {
         match self {
             ToMetres::Scaled(unit_m) => Some(at * *unit_m),
-            ToMetres::Degrees(system) => system.plane(at.y, at.x),
+            ToMetres::Degrees { system, latitude_first: false } => system.plane(at.y, at.x),
+            ToMetres::Degrees { system, latitude_first: true } => system.plane(at.x, at.y),
             ToMetres::Plane(plane, system) => {
                 let (latitude, longitude) = plane.degrees(at.x, at.y)?;
                 system.plane(latitude, longitude)
             }
         }
     }
+}
+
+/// Returns the corner of some bounds whose latitude is beyond 90 degrees.
+fn impossible([low, high]: [DVec2; 2]) -> Degrees {
+    let corner = if low.y < -90.0 { low } else { high };
+    Degrees { latitude: corner.y, longitude: corner.x }
 }
 
 fn unplaced(file: &Path, why: Unplaced, asked: Option<u32>) -> Error {
