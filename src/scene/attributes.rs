@@ -1,5 +1,7 @@
 //! Attributes of objects: what files state besides geometry. In: JSON values. Out: one flat JSON
-//! object of texts, numbers and truth values, as archives keep it.
+//! object of texts, numbers and truth values, as archives keep it; whether the object still stands.
+
+use std::time::{SystemTime, UNIX_EPOCH};
 
 use heliotile_core::archive::tables::MAX_ATTRIBUTES;
 use serde_json::{Map, Value};
@@ -8,6 +10,15 @@ use serde_json::{Map, Value};
 const DEPTH: usize = 3;
 /// Longest text that is kept, bytes: longer texts are no names or numbers.
 const LONGEST_TEXT: usize = 1000;
+
+/// Attributes of the day, month or year from which an object no longer stands: CityGML, INSPIRE,
+/// OpenStreetMap.
+const ENDS: [&str; 6] =
+    ["terminationDate", "dateOfDemolition", "yearOfDemolition", "validTo", "endLifespanVersion", "end_date"];
+/// Reason for leaving out objects that no longer stand.
+pub(crate) const GONE: &str = "that no longer stand (terminationDate, yearOfDemolition or the like is past)";
+/// Last year that stands for an unknown date: databases write 0, 1 or 1900 for it.
+const NO_YEAR_TO: u64 = 1900;
 
 /// Returns the attributes with nested objects flattened to dotted names. A list of texts and
 /// numbers becomes one text. Empty values and texts that are too long are left out.
@@ -35,6 +46,36 @@ fn add(all: &mut Map<String, Value>, before: &str, attributes: &Map<String, Valu
             _ => {}
         }
     }
+}
+
+/// Returns true if the attributes state that the object no longer stands today.
+pub(crate) fn is_gone(attributes: &Map<String, Value>) -> bool {
+    let ends = attributes.iter().filter(|(name, _)| ENDS.iter().any(|end| name.eq_ignore_ascii_case(end)));
+    let mut ends = ends.filter_map(|(_, value)| date_of(&plain(value)?)).peekable();
+    ends.peek().is_some() && today().is_some_and(|today| ends.any(|end| end < today))
+}
+
+/// Returns the year, month and day of `2018-06-01`, `2018-06` or `2018`, with or without a time; the
+/// last day of a month or year whose day is not stated.
+fn date_of(text: &str) -> Option<[u64; 3]> {
+    let day = text.trim().split(['T', ' ']).next().unwrap_or_default();
+    let mut numbers = day.split('-').map(|number| number.parse::<u64>().ok());
+    let year = numbers.next().flatten().filter(|year| (NO_YEAR_TO + 1..10_000).contains(year))?;
+    let [month, day] = [12, 31].map(|last| numbers.next().map_or(Some(last), |number| number));
+    Some([year, month?, day?])
+}
+
+/// Returns the year, month and day of today in UTC (Hinnant, "chrono-Compatible Low-Level Date
+/// Algorithms", civil_from_days).
+fn today() -> Option<[u64; 3]> {
+    let days = SystemTime::now().duration_since(UNIX_EPOCH).ok()?.as_secs() / 86_400 + 719_468;
+    let (era, day_of_era) = (days / 146_097, days % 146_097);
+    let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+    let from_march = (5 * day_of_year + 2) / 153;
+    let day = day_of_year - (153 * from_march + 2) / 5 + 1;
+    let month = if from_march < 10 { from_march + 3 } else { from_march - 9 };
+    Some([year_of_era + 400 * era + u64::from(month <= 2), month, day])
 }
 
 fn plain(value: &Value) -> Option<String> {
@@ -76,6 +117,27 @@ pub(crate) fn object_of(text: &str) -> Map<String, Value> {
 mod tests {
     use super::*;
     use serde_json::json;
+
+    /// Of nine objects four no longer stand: by a day, a month, a year, and a day with a time. Days
+    /// to come, dates that stand for none and other texts say nothing.
+    #[test]
+    fn four_of_nine_objects_no_longer_stand() {
+        let cases = [
+            (json!({"terminationDate": "2018-06-01"}), true),
+            (json!({"validTo": "2018-06"}), true),
+            (json!({"yearOfDemolition": 2018}), true),
+            (json!({"endLifespanVersion": "2018-06-01T00:00:00Z"}), true),
+            (json!({"terminationDate": "9999-12-31"}), false),
+            (json!({"terminationDate": "0001-01-01"}), false),
+            (json!({"yearOfDemolition": "none"}), false),
+            (json!({"end_date": null}), false),
+            (json!({"creationDate": "2018-06-01"}), false),
+        ];
+        for (attributes, expected) in cases {
+            assert_eq!(is_gone(attributes.as_object().expect("an object")), expected, "{attributes}");
+        }
+        assert!(today().is_some_and(|[year, month, day]| year > 2024 && month <= 12 && day <= 31));
+    }
 
     /// An object of 8 attributes keeps 5, one of them from a nested object and one from a list; of
     /// 400 texts of 100 bytes, 100 are kept within 16 KiB.

@@ -4,6 +4,7 @@
 
 use serde_json::{Map, Value};
 
+use crate::attributes::{GONE, is_gone};
 use crate::footprint::StatedHeights;
 use crate::footprint_options::{FOOT_M, FootprintOptions, HeightSource, MAX_HEIGHT_M, STOREY_HEIGHT_M};
 
@@ -118,7 +119,10 @@ impl<'a> Stated<'a> {
         if self.says("building", &["no"]) {
             return Some("as no buildings (building=no)");
         }
-        if self.says("building", &GONE) {
+        if is_gone(self.attributes) {
+            return Some(GONE);
+        }
+        if self.says("building", &NOT_STANDING) {
             return Some("as buildings that do not stand (building=demolished or proposed)");
         }
         let is_open = NOT_BUILDINGS.iter().any(|(key, values)| match values.is_empty() {
@@ -180,7 +184,7 @@ const NO_FOOT_TO: f64 = -90.0;
 const CANOPY_M: f64 = 0.1;
 
 /// Values of `building` of what does not stand (OSM wiki, "Key:building").
-const GONE: [&str; 6] = ["demolished", "razed", "destroyed", "removed", "proposed", "planned"];
+const NOT_STANDING: [&str; 6] = ["demolished", "razed", "destroyed", "removed", "proposed", "planned"];
 /// Keys of OpenStreetMap, and those of their values that are land, not buildings; no values: all.
 const NOT_BUILDINGS: [(&str, &[&str]); 8] = [
     ("natural", &[]),

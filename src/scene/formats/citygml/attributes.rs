@@ -8,13 +8,15 @@ use crate::formats::citygml::xml::Element;
 use heliotile_core::error::Result;
 
 /// Properties of CityGML 2.0 and 3.0 that are attributes.
-const KNOWN: [&str; 21] = [
+const KNOWN: [&str; 23] = [
     "name",
     "description",
     "class",
     "function",
     "usage",
     "creationDate",
+    "terminationDate",
+    "validTo",
     "yearOfConstruction",
     "yearOfDemolition",
     "dateOfConstruction",

@@ -166,7 +166,10 @@ pub(super) fn finish(reader: Reader) -> Result<Geometry> {
             "export the city model with its objects",
         ));
     }
-    let what = format!("none of the {objects} city objects has a surface");
+    let reasons: Vec<String> =
+        geometry.left_out.iter().map(|(reason, count)| format!("{count} left out {reason}")).collect();
+    let reasons = if reasons.is_empty() { String::new() } else { format!(": {}", reasons.join(", ")) };
+    let what = format!("none of the {objects} city objects has a surface{reasons}");
     let only_outlines = geometry.left_out.contains_key(objects::OUTLINES);
     let levels: Vec<String> = levels.iter().map(Lod::to_string).collect();
     let hint = match asked {

@@ -4,7 +4,7 @@
 use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 
-use crate::attributes::text_of;
+use crate::attributes::{GONE, is_gone, text_of};
 use crate::coordinate::is_position;
 use crate::formats::cityjson::document::{CityObject, Document, Lod, Shape, Text};
 use crate::formats::cityjson::frame::Frame;
@@ -102,6 +102,13 @@ impl<'h> Reader<'_, 'h> {
         let stated: HashMap<&str, &CityObject> = stating.map(|(id, object)| (id.0.as_ref(), object)).collect();
         for (((id, object), shapes), finest) in document.objects.iter().zip(chosen).zip(parts) {
             let level = shapes.first().and_then(|offer| offer.lod);
+            let whole = stated.get(parents.top_of(&id.0));
+            if !shapes.is_empty()
+                && (is_gone(&object.attributes) || whole.is_some_and(|whole| is_gone(&whole.attributes)))
+            {
+                self.geometry.leave_out(GONE);
+                continue;
+            }
             if finest > level {
                 (0..shapes.len())
                     .for_each(|_| self.geometry.leave_out("as coarser geometry of objects whose parts have finer"));
