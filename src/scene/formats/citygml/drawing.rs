@@ -145,6 +145,9 @@ impl Scan<'_> {
     }
 
     fn ring(&mut self, ring: &Element, mut around: Around) -> Result<Ring> {
+        if ring.name == "Ring" {
+            return self.ring_of_curves(ring, around);
+        }
         if ring.name != "LinearRing" {
             self.draft.store.leave_out(CURVED);
             self.xml.skip()?;
@@ -172,6 +175,51 @@ impl Scan<'_> {
         if !sound {
             return Ok(Ring::Wrong);
         }
+        self.ring_of_numbers(ring, around)
+    }
+
+    /// Reads a ring whose sides are curves; all of them have to be straight lines.
+    fn ring_of_curves(&mut self, ring: &Element, mut around: Around) -> Result<Ring> {
+        self.stated(ring, &mut around);
+        self.numbers.clear();
+        let (mut sound, mut is_straight) = (true, true);
+        self.straight_sides(&mut around, &mut sound, &mut is_straight)?;
+        if !is_straight {
+            self.draft.store.leave_out(CURVED);
+        }
+        if !sound || !is_straight || self.numbers.is_empty() {
+            return Ok(Ring::Wrong);
+        }
+        self.ring_of_numbers(ring, around)
+    }
+
+    /// Appends the corners of all straight lines within an element to the numbers. A line begins
+    /// where the one before it ends, and that corner counts once.
+    fn straight_sides(&mut self, around: &mut Around, sound: &mut bool, is_straight: &mut bool) -> Result<()> {
+        while let Some(element) = self.xml.child()? {
+            self.stated(&element, around);
+            match element.name.as_str() {
+                "curveMember" | "curveMembers" | "segments" | "Curve" | "CompositeCurve" | "LineString"
+                | "LineStringSegment" => self.straight_sides(around, sound, is_straight)?,
+                "posList" | "pos" | "coordinates" => {
+                    let (before, size) = (self.numbers.len(), around.dimension.map_or(3, usize::from));
+                    *sound &= self.read_numbers(element.line)?;
+                    let end = before.checked_sub(size).and_then(|start| self.numbers.get(start..before));
+                    if end.is_some() && end == self.numbers.get(before..before + size) {
+                        self.numbers.drain(before..before + size);
+                    }
+                }
+                _ => {
+                    *is_straight = false;
+                    self.xml.skip()?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Makes a ring from the numbers that were read, if they are three for each corner.
+    fn ring_of_numbers(&mut self, ring: &Element, around: Around) -> Result<Ring> {
         let count = self.numbers.len();
         match around.dimension {
             Some(2) => Ok(Ring::Flat),

@@ -26,6 +26,8 @@
 
 mod assembly;
 mod attributes;
+#[cfg(test)]
+mod case_tests;
 mod closed;
 mod coordinates;
 mod drawing;
