@@ -6,6 +6,7 @@
 //! | --- | --- |
 //! | `crossed` | puts the corners of outlines in order that cross themselves once |
 //! | `twins` | finds faces and objects that occur twice |
+//! | `copies` | finds solids that occur twice, cut into other faces |
 //! | `shells` | finds faces connected by edges, sound shells, and faces of one orientation |
 //! | `sides` | finds by rays within an object which side of a face is outside |
 //!
@@ -15,6 +16,7 @@
 //! - A sheet, such as an overhang or terrain, is not turned: both of its sides are outside.
 //! - The order of faces decides nothing.
 
+mod copies;
 mod crossed;
 mod shells;
 mod sides;
@@ -88,7 +90,14 @@ struct Settling<'g> {
 
 impl Settling<'_> {
     fn object(&mut self, faces: &[usize]) {
-        let shells = shells::shells(self.geometry, &self.welded, faces);
+        let mut shells = shells::shells(self.geometry, &self.welded, faces);
+        let copies = copies::second_copies(self.geometry, &self.welded, &shells);
+        if !copies.is_empty() {
+            copies.iter().for_each(|face| set(&mut self.dropped, *face, true));
+            let kept: Vec<usize> = faces.iter().copied().filter(|face| copies.binary_search(face).is_err()).collect();
+            shells = shells::shells(self.geometry, &self.welded, &kept);
+            self.changes.repeated.extend(copies);
+        }
         let near = Near::of(&shells, faces.len());
         let mut twins: Vec<Vec<Twin>> = Vec::new();
         for shell in doubtful(&shells) {

@@ -18,6 +18,11 @@ pub(super) struct Shell {
     /// Corners of the bounding box.
     pub low: DVec3,
     pub high: DVec3,
+    /// True if each edge is used as often in one direction as in the other, and the enclosed volume
+    /// is positive.
+    pub is_balanced: bool,
+    /// True if an edge belongs to more than two faces.
+    pub is_crowded: bool,
     /// True if the faces certainly look outwards: each edge is used as often in one direction as in
     /// the other, no face occurs twice, and the shell encloses a positive volume.
     pub is_sound: bool,
@@ -116,15 +121,26 @@ pub(super) fn shells(geometry: &Geometry, welded: &[u32], faces: &[usize]) -> Ve
         let polygons = faces.iter().filter_map(|&face| geometry.polygon(face));
         let corners = polygons.flat_map(|polygon| polygon.corners());
         let (low, high) = bounds(corners.filter_map(|&corner| geometry.vertices.get(corner as usize)).copied());
+        let is_balanced =
+            faces.len() > 3 && places().all(|place| is(&is_balanced, place)) && encloses(geometry, &faces);
+        let is_crowded = places().any(|place| is(&is_crowded, place));
         // Faces that occur twice make edges of more than two faces: only there are repeats
         // searched.
-        let is_sound = faces.len() > 3
-            && places().all(|place| is(&is_balanced, place))
-            && encloses(geometry, &faces)
-            && !(places().any(|place| is(&is_crowded, place)) && has_repeats(geometry, welded, &faces));
-        Shell { faces, low, high, is_sound }
+        let is_sound = is_balanced && !(is_crowded && has_repeats(geometry, welded, &faces));
+        Shell { faces, low, high, is_balanced, is_crowded, is_sound }
     };
     by_root.chunk_by(|a, b| a.0 == b.0).map(shell).collect()
+}
+
+/// Returns the places in a list of the pairs of faces that alone meet at an edge, in opposite
+/// directions.
+pub(super) fn pairs_of_one_edge(geometry: &Geometry, welded: &[u32], faces: &[usize]) -> Vec<(usize, usize)> {
+    let edges = edges_of(geometry, welded, faces);
+    let pair = |at_edge: &[Edge]| match at_edge {
+        [a, b] if a.face != b.face && a.backwards != b.backwards => Some((a.face, b.face)),
+        _ => None,
+    };
+    edges.chunk_by(|a, b| a.ends == b.ends).filter_map(pair).collect()
 }
 
 /// Share of the volumes below all faces; less is a rounding error of a volume of zero.

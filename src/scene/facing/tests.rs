@@ -438,3 +438,32 @@ fn crossed_outlines_are_put_in_order_or_named() {
     }
     assert_eq!(area(&[0, 2, 4, 1, 3]).1, 1);
 }
+
+/// A house with a gable that stands twice in one object, cut along other diagonals, has its areas
+/// once: roof 100, walls 240 m2. The order of its faces does not matter, and without one face of the
+/// second copy nothing is left out.
+#[test]
+fn a_house_with_other_diagonals_counts_once() {
+    let text = include_str!("../../../tests/data/footprints/cases/same_house_other_diagonal.obj");
+    let folder = tempfile::tempdir().expect("a folder");
+    let areas = |text: &str| {
+        let file = folder.path().join("house.obj");
+        std::fs::write(&file, text).expect("written");
+        let site = Site { parts: vec![Part::plain(&file, None)], ..Site::default() };
+        let (scene, soup) = Scene::load_with_objects(&site).expect("a scene");
+        let surfaces = Surfaces::find(&soup, &scene.materials);
+        let of = |kind: SurfaceKind| -> f64 {
+            surfaces.list.iter().filter(|surface| surface.kind == kind).map(|surface| surface.area_m2).sum()
+        };
+        (of(SurfaceKind::Roof).round(), of(SurfaceKind::Wall).round(), scene.report.warnings)
+    };
+    let (mut faces, others): (Vec<&str>, Vec<&str>) = text.lines().partition(|line| line.starts_with("f "));
+    let (roof, walls, warnings) = areas(text);
+    assert_eq!((roof, walls), (100.0, 240.0));
+    assert!(warnings.iter().any(|warning| warning.contains("16 faces of `house` appeared twice")), "{warnings:?}");
+    faces.reverse();
+    let (roof, walls, _) = areas(&[others.clone(), faces.clone()].concat().join("\n"));
+    assert_eq!((roof, walls), (100.0, 240.0));
+    let (roof, ..) = areas(&[others, faces.split_off(1)].concat().join("\n"));
+    assert_eq!(roof, 200.0);
+}
