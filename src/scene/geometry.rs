@@ -13,6 +13,7 @@ use crate::footprint::Footprint;
 use crate::geocentric::LocalFrame;
 use crate::ground::model::ModelGround;
 use crate::materials::select::MaterialTable;
+use crate::placing::y_up::HeaderUp;
 use crate::reference::Reference;
 use crate::semantics::{FaceNote, SourceFace, SurfaceKind};
 use heliotile_core::error::{Error, Result};
@@ -50,6 +51,8 @@ pub(super) struct Geometry {
     pub local_frame: Option<LocalFrame>,
     /// Ground of a format that always has ground without a face for it.
     pub ground: Option<ModelGround>,
+    /// Statement of the header on the up axis, of a format that has none.
+    pub header_up: Option<HeaderUp>,
     pub warnings: Vec<String>,
     /// Decisions that no user needs to question, one sentence each.
     pub notes: Vec<String>,

@@ -26,6 +26,7 @@ use crate::placing::extent::{Extent, Walls};
 use crate::placing::frame::SiteFrame;
 use crate::placing::plausible::doubts;
 use crate::placing::whereabouts::place_of;
+use crate::placing::y_up::sign_of_y_up;
 use crate::polygon;
 use crate::polygon::{OFF_PLANE_M, Triangulation, object_name};
 use crate::reference::Reference;
@@ -447,6 +448,16 @@ impl Pile {
         let corners = || cut.triangles.iter().map(|t| t.corners.map(|corner| position(corner).unwrap_or_default()));
         let mut walls = Walls::default();
         corners().for_each(|triangle| walls.add(triangle));
+        // Turned by `rotate_deg`, its y axis is not the scene's.
+        if part.lacks_up()
+            && part.rotate_deg == 0.0
+            && let Some(sign) = sign_of_y_up(corners(), geometry.header_up)
+        {
+            self.report.warnings.push(format!(
+                "{}: {sign}, but z is taken for up; if y points up, give {{up}} y; {{up}} z keeps it as it is",
+                part.file.display()
+            ));
+        }
         let (low, high) = bounds(corners().flatten());
         if !low.is_finite() {
             // A file without triangles has no extent to check.

@@ -119,6 +119,11 @@ impl Part {
         Part { scale, elevation_m, up, ..self.clone() }
     }
 
+    /// Returns true if neither the format of the file nor the user states which axis points up.
+    pub(super) fn lacks_up(&self) -> bool {
+        self.up.is_none() && has_no_up(&self.file)
+    }
+
     /// Returns the metres a unit of the file.
     pub(super) fn metres(&self) -> f64 {
         self.scale.unwrap_or(1.0)

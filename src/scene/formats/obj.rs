@@ -10,6 +10,7 @@ use crate::formats::mtl;
 use crate::formats::mtl::Wanted;
 use crate::formats::{Asked, stem};
 use crate::geometry::Geometry;
+use crate::placing::y_up::HeaderUp;
 use crate::text::{Lines, Words, excerpt, keyword_and_rest, leading_index, number};
 use heliotile_core::error::{Error, Result};
 
@@ -18,6 +19,9 @@ pub(super) const DEFAULT_MATERIAL: &str = "default";
 
 /// Most kinds of ignored statements that get a warning each; a hostile file holds millions.
 const MAX_KINDS_IGNORED: usize = 16;
+
+/// Most lines of comments at the head of a file that are searched.
+const MOST_COMMENTS: usize = 20;
 
 /// One `mtllib` statement: one file name or several, and its line.
 #[derive(Debug)]
@@ -39,6 +43,7 @@ pub(super) fn read(bytes: &[u8], path: &Path, asked: &Asked) -> Result<Geometry>
 
 pub(crate) fn parse(bytes: &[u8], file: &Path) -> Result<(Geometry, Vec<Library>)> {
     let mut reader = Reader::new(file);
+    reader.geometry.header_up = header_up(bytes);
     let mut lines = Lines::new(bytes);
     while let Some((line, text)) = lines.next() {
         let (keyword, rest) = keyword_and_rest(text);
@@ -53,6 +58,12 @@ pub(crate) fn parse(bytes: &[u8], file: &Path) -> Result<(Geometry, Vec<Library>
         }
     }
     reader.finish()
+}
+
+/// Returns what the comments at the head of a file say about its up axis.
+fn header_up(bytes: &[u8]) -> Option<HeaderUp> {
+    let comments = bytes.split(|byte| *byte == b'\n').map_while(|line| line.trim_ascii().strip_prefix(b"#"));
+    comments.take(MOST_COMMENTS).filter_map(HeaderUp::of_comment).max()
 }
 
 struct Reader<'f> {

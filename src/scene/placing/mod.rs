@@ -10,3 +10,4 @@ pub mod plausible;
 #[cfg(test)]
 mod tests;
 pub mod whereabouts;
+pub(crate) mod y_up;

@@ -5,9 +5,11 @@ use std::fs;
 use glam::DVec3;
 
 use crate::Scene;
-use crate::placing::frame::SiteFrame;
+use crate::covering::surfaces::Surfaces;
+use crate::placing::frame::{SiteFrame, UpAxis};
 use crate::placing::plausible::far_receivers;
-use crate::site::Site;
+use crate::semantics::SurfaceKind;
+use crate::site::{Part, Site};
 use heliotile_core::error::Result;
 use heliotile_core::site::receiver::Receiver;
 
@@ -251,4 +253,33 @@ fn a_turned_file_has_its_y_axis_along_x() {
     );
     assert_eq!(scene.place.expect("stated").convergence_deg, 45.0);
     assert!(scene.report.notes.first().expect("a note").contains("45.00 degrees east"));
+}
+
+/// Two houses with y up, one by Blender and one with a comment, get a warning that names the
+/// option. With y up they have a roof of 100 and walls of 240 m2; with a stated axis there is no
+/// warning.
+#[test]
+fn houses_on_their_side_get_a_hint() {
+    for (text, words) in [
+        (include_str!("../../../tests/data/footprints/cases/blender_y_up.obj"), "look towards y"),
+        (include_str!("../../../tests/data/footprints/cases/osm_y_up_with_place.obj"), "a comment of the file"),
+    ] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("house.obj");
+        std::fs::write(&file, text).expect("written");
+        let load = |up| {
+            let site = Site { parts: vec![Part { up, ..Part::plain(&file, None) }], ..Site::default() };
+            Scene::load_with_objects(&site).expect("a scene")
+        };
+        let hint = |scene: &Scene| scene.report.warnings.iter().find(|warning| warning.contains("{up} y")).cloned();
+        let (plain, _) = load(None);
+        assert!(hint(&plain).is_some_and(|hint| hint.contains(words)), "{:?}", plain.report.warnings);
+        assert_eq!(hint(&load(Some(UpAxis::Z)).0), None);
+        let (scene, soup) = load(Some(UpAxis::Y));
+        let surfaces = Surfaces::find(&soup, &scene.materials);
+        let of = |kind: SurfaceKind| -> f64 {
+            surfaces.list.iter().filter(|surface| surface.kind == kind).map(|surface| surface.area_m2).sum()
+        };
+        assert_eq!((of(SurfaceKind::Roof).round(), of(SurfaceKind::Wall).round(), hint(&scene)), (100.0, 240.0, None));
+    }
 }
