@@ -11,6 +11,8 @@ pub(crate) type PlanRing = Vec<DVec2>;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct StatedHeights {
     pub roof_m: f64,
+    /// True if the height of the roof is in scene coordinates, not above the base.
+    pub is_roof_absolute: bool,
     /// Height at which the building begins: 0 except for a part that begins higher.
     pub foot_m: f64,
     /// Height of the base in scene coordinates, if the feature states it.

@@ -4,6 +4,7 @@
 use std::fmt::{self, Display};
 use std::str::FromStr;
 
+use heliotile_core::named::NamedValues;
 use serde::{Deserialize, Serialize};
 
 /// Default height of a storey, metres from floor to floor: what OSM's page "Simple 3D Buildings"
@@ -31,6 +32,24 @@ pub enum HeightSource {
     Metres(f64),
 }
 
+/// Level from which columns of heights count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HeightAbove {
+    /// Heights are above the base of the building.
+    Base,
+    /// Heights are those of roofs above the sea.
+    Sea,
+}
+
+impl NamedValues for HeightAbove {
+    const VALUES: &'static [(&'static str, &'static str, Self)] = &[
+        ("base", "above the base of the building", HeightAbove::Base),
+        ("sea", "roofs above the sea, less the terrain below them or `base`", HeightAbove::Sea),
+    ];
+}
+
+heliotile_core::serde_by_name!(HeightAbove);
+
 /// Sources of the heights of footprints.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -47,6 +66,10 @@ pub struct FootprintOptions {
     /// ground.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub base: Option<HeightSource>,
+    /// Level from which columns of heights count; `None`: the base. Metres for all features and
+    /// storeys always count from the base.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub height_above: Option<HeightAbove>,
     /// Names of the layers that are read of files with several. Empty: those of buildings.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub layer: Vec<String>,
@@ -59,6 +82,7 @@ impl FootprintOptions {
             height: if self.height.is_empty() { other.height.clone() } else { self.height.clone() },
             storey_height_m: self.storey_height_m.or(other.storey_height_m),
             base: self.base.clone().or_else(|| other.base.clone()),
+            height_above: self.height_above.or(other.height_above),
             layer: if self.layer.is_empty() { other.layer.clone() } else { self.layer.clone() },
         }
     }
@@ -89,7 +113,7 @@ impl FromStr for HeightSource {
     type Err = String;
 
     /// Reads `9.5m` or `9.5` as metres and anything else as the name of a column; `HEIGHTROOF[ft]`
-    /// is a column in feet, `HEIGHT[m]` one in metres.
+    /// is a column in feet, `HEIGHT[m]` one in metres, `HEIGHT[cm]` one in centimetres.
     fn from_str(text: &str) -> Result<Self, String> {
         let text = text.trim();
         let number = text.strip_suffix('m').unwrap_or(text).trim_end();
@@ -98,7 +122,7 @@ impl FromStr for HeightSource {
             Ok(metres) => Err(format!("{metres} m is no height on Earth")),
             Err(_) if text.is_empty() => Err("give the name of a column, or metres such as 9.5m".to_owned()),
             Err(_) => {
-                let units = [("[ft]", FOOT_M), ("[m]", 1.0)];
+                let units = [("[ft]", FOOT_M), ("[cm]", 0.01), ("[m]", 1.0)];
                 let found = units.iter().find_map(|(unit, metres)| Some((text.strip_suffix(unit)?, Some(*metres))));
                 let (name, unit_m) = found.unwrap_or((text, None));
                 Ok(HeightSource::Column { name: name.trim_end().to_owned(), unit_m })
@@ -126,6 +150,7 @@ impl Display for HeightSource {
         match self {
             HeightSource::Column { name, unit_m: None } => to.write_str(name),
             HeightSource::Column { name, unit_m: Some(1.0) } => write!(to, "{name}[m]"),
+            HeightSource::Column { name, unit_m: Some(0.01) } => write!(to, "{name}[cm]"),
             HeightSource::Column { name, .. } => write!(to, "{name}[ft]"),
             HeightSource::Metres(metres) => write!(to, "{metres}m"),
         }
@@ -136,8 +161,8 @@ impl Display for HeightSource {
 mod tests {
     use super::*;
 
-    /// Three texts are metres, four are columns, one of them in feet and one in metres, and two are
-    /// refused; each source is read back from its own text.
+    /// Three texts are metres, five are columns, three of them in feet, metres and centimetres, and two
+    /// are refused; each source is read back from its own text.
     #[test]
     fn a_source_of_heights_is_read_from_its_text() {
         let of = |text: &str| text.parse::<HeightSource>();
@@ -148,6 +173,7 @@ mod tests {
             ("building:height", HeightSource::Column { name: "building:height".into(), unit_m: None }),
             ("h_m", HeightSource::Column { name: "h_m".into(), unit_m: None }),
             ("HEIGHTROOF[ft]", HeightSource::Column { name: "HEIGHTROOF".into(), unit_m: Some(0.3048) }),
+            ("HGT[cm]", HeightSource::Column { name: "HGT".into(), unit_m: Some(0.01) }),
             ("HGT[m]", HeightSource::Column { name: "HGT".into(), unit_m: Some(1.0) }),
         ] {
             assert_eq!(of(text), Ok(expected.clone()), "{text}");

@@ -64,6 +64,8 @@ pub(super) struct Geometry {
     /// Counts of faces (or other pieces) that the reader left out, by reason: "with fewer than
     /// three corners".
     pub left_out: BTreeMap<String, usize>,
+    /// True if its faces were raised from footprints.
+    pub is_raised: bool,
     /// Footprints of buildings, which become faces once the ground below is known.
     pub footprints: Vec<Footprint>,
 }

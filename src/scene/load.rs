@@ -130,6 +130,7 @@ struct Outlined {
 
 impl Outlined {
     fn new(part: Part, mut geometry: Geometry) -> Self {
+        geometry.is_raised = true;
         geometry.vertices.iter_mut().for_each(|vertex| *vertex = part.place(*vertex));
         for corner in geometry.footprints.iter_mut().flat_map(|footprint| &mut footprint.polygons).flatten().flatten() {
             *corner = part.place(corner.extend(0.0)).truncate();
@@ -466,6 +467,7 @@ impl Pile {
         self.extents.push(Extent {
             file: part.file.clone(),
             raster: place.is_none(),
+            is_raised: geometry.is_raised,
             bounds: [low, high],
             shift: part.shift(),
             scale: part.metres(),

@@ -8,7 +8,7 @@ use glam::DVec3;
 use serde::Deserialize;
 
 use crate::coordinate::is_position;
-use crate::footprint_options::{FootprintOptions, HeightSource};
+use crate::footprint_options::{FootprintOptions, HeightAbove, HeightSource};
 use crate::input;
 use crate::model_version::ModelVersion;
 use crate::placing::frame::{SiteFrame, UpAxis, check_elevation, check_rotation, check_scale};
@@ -198,6 +198,7 @@ struct Entry {
     height: Option<Heights>,
     storey_height: Option<f64>,
     base: Option<HeightSource>,
+    height_above: Option<HeightAbove>,
     layer: Option<Layers>,
     dsm: Option<PathBuf>,
     dem: Option<PathBuf>,
@@ -230,7 +231,7 @@ const KEYS: &str = "write a table [[scene]] for each file: file = \"town.city.js
                     materials_only = true, offset = [x, y, z] in metres, scale = 0.001 (metres a unit), up = \"y\", \
                     rotate_deg = 30 (clockwise), elevation_m = 512, epsg = 28992 or latitude_deg and longitude_deg, \
                     lod = \"2.2\", assume_version = \"25.2\" of EnergyPlus, for terrain horizon_deg = 0.2, for footprints \
-                    height = \"height\" (a column, metres, or a list of such), storey_height = 3.0, base = \"ground\" and layer = \"buildings\"; in place of \
+                    height = \"height\" (a column, metres, or a list of such), storey_height = 3.0, base = \"ground\", height_above = \"sea\" and layer = \"buildings\"; in place of \
                     file for rasters of a city dsm = \"dsm.tif\" and optionally dem, canopy (both without dsm for trees alone), landcover, step_m, least_building_m2, \
                     trunk_share, crown_transmittance; what holds for all files stands in a table [site]: epsg, latitude_deg, \
                     longitude_deg, rotate_deg, elevation_m, scale, up";
@@ -380,7 +381,8 @@ fn footprints_of(entry: &Entry) -> std::result::Result<FootprintOptions, String>
         Some(Layers::One(name)) => vec![name.clone()],
         Some(Layers::Several(names)) => names.clone(),
     };
-    let options = FootprintOptions { height, storey_height_m: entry.storey_height, base: entry.base.clone(), layer };
+    let (base, height_above) = (entry.base.clone(), entry.height_above);
+    let options = FootprintOptions { height, storey_height_m: entry.storey_height, base, height_above, layer };
     options.check().map_err(|(_, what)| what)?;
     Ok(options)
 }

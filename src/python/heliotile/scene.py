@@ -43,10 +43,11 @@ class Scene:
         per unit.
     up
         The axis that points up in OBJ, PLY and STL files: `"z"`, with y to the north, or `"y"`, with z to the south.
-    height, storey_height, base
+    height, storey_height, base, height_above
         Heights of footprints: a column of heights above the base, metres for all, or several
         sources, of which the first with a value counts. Metres per storey. Base of buildings: a
-        column, or metres.
+        column, or metres. `height_above="sea"` for columns of absolute heights of roofs, from which
+        the terrain or `base` is taken.
     layer
         Layers to read of a GeoPackage with several: one name, or a list; default: those of
         buildings.
@@ -73,6 +74,7 @@ class Scene:
         height: str | float | Sequence[str | float] = (),
         storey_height: float | None = None,
         base: str | float | None = None,
+        height_above: str | None = None,
         layer: str | Sequence[str] = (),
         dsm: str | os.PathLike[str] | None = None,
         dem: str | os.PathLike[str] | None = None,
@@ -96,6 +98,7 @@ class Scene:
             "height": [str(source) for source in ([height] if isinstance(height, (str, float, int)) else height)],
             "storey_height": given.number("storey_height", storey_height, "give metres"),
             "base": None if base is None else str(base),
+            "height_above": height_above,
             "layer": [layer] if isinstance(layer, str) else list(layer),
         }
         rasters = {"dsm": dsm, "dem": dem, "canopy": canopy, "landcover": landcover}
@@ -160,7 +163,7 @@ class Scene:
         said = {key: self._args[name] for name, key in frame.items() if self._args[name] is not None}
         request = {"files": self.files, "materials_only": self._args["materials_only"], "no_ground": not self._args["assume_ground"], "frame": said}
         footprints = {"height": self._args["height"], "storey_height_m": self._args["storey_height"], "base": self._args["base"]}
-        footprints["layer"] = self._args["layer"]
+        footprints |= {"height_above": self._args["height_above"], "layer": self._args["layer"]}
         footprints = {name: value for name, value in footprints.items() if value not in (None, [])}
         request |= {"footprints": footprints} if footprints else {}
         request |= {} if self._args["materials"] is None else {"materials": self._args["materials"]}

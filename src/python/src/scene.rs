@@ -28,7 +28,7 @@ use heliotile_remote::naming::{is_address, shown};
 use heliotile_remote::places::open_archive;
 use heliotile_results::covering::{CoverRequest, Density, check_name, cover_scene, save, summary};
 use heliotile_results::horizon::black_below_horizon;
-use heliotile_scene::footprint_options::{FootprintOptions, HeightSource};
+use heliotile_scene::footprint_options::{FootprintOptions, HeightAbove, HeightSource};
 use heliotile_scene::placing::frame::{SiteFrame, UpAxis};
 use heliotile_scene::request::SceneRequest;
 use heliotile_scene::site::Site;
@@ -59,6 +59,7 @@ pub struct SceneArgs {
     height: Vec<String>,
     storey_height: Option<f64>,
     base: Option<String>,
+    height_above: Option<String>,
     layer: Vec<String>,
     dsm: Option<PathBuf>,
     dem: Option<PathBuf>,
@@ -129,6 +130,7 @@ impl SceneArgs {
             height: self.height.iter().map(|text| source("height", text)).collect::<Result<_>>()?,
             storey_height_m: self.storey_height,
             base: self.base.as_ref().map(|text| source("base", text)).transpose()?,
+            height_above: self.height_above.map(|name| by_name::<HeightAbove>("height_above", &name)).transpose()?,
             layer: self.layer,
         };
         Ok(SceneRequest {

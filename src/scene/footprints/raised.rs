@@ -7,12 +7,13 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use glam::DVec2;
-use heliotile_core::error::Result;
+use heliotile_core::error::{Error, Result};
 use heliotile_core::site::scene_object::ObjectNote;
 use heliotile_core::text::counted;
 
 use crate::attributes::{object_of, text_of};
 use crate::footprint::{Footprint, PlanRing, StatedHeights};
+use crate::footprint_options::MAX_HEIGHT_M;
 use crate::footprints::ground_below::GroundBelow;
 use crate::footprints::nodes::Noded;
 use crate::footprints::overlaps::{Block, groups, outlines_without_parts, overlapping, settle};
@@ -46,7 +47,9 @@ pub(crate) fn raise(files: &mut [FootprintFile], ground: &GroundBelow) -> Result
         let shapes: Vec<&[Vec<PlanRing>]> = town.blocks.iter().map(|block| block.polygons.as_slice()).collect();
         overlapping(&shapes)
     };
+    town.refuse_without_base(files, ground)?;
     town.set_bases(ground, &groups(all, &pairs));
+    town.leave_out_below_ground(files);
     let wholes = outlines_without_parts(&mut town.blocks, &pairs);
     let consist_of_parts = town.blocks.iter().filter(|block| block.polygons.is_empty()).count();
     let filled = settle(&mut town.blocks, &pairs);
@@ -137,12 +140,38 @@ impl Town {
             }
         }
         for ((block, member), group) in self.blocks.iter_mut().zip(&self.members).zip(groups) {
-            let StatedHeights { roof_m, foot_m, base_m, .. } = member.heights;
+            let StatedHeights { roof_m, is_roof_absolute, foot_m, base_m, .. } = member.heights;
             let below = lowest.get(group).copied();
             self.beside_ground += usize::from(base_m.is_none() && below.is_none() && lowest_of_all.is_some());
             let stated = base_m.map(|base_m| base_m + member.elevation_m);
             let base_m = stated.or(below).or(lowest_of_all).unwrap_or(member.elevation_m);
-            (block.foot_m, block.roof_m) = (base_m + foot_m, base_m + roof_m);
+            let zero_m = if is_roof_absolute { member.elevation_m } else { base_m };
+            (block.foot_m, block.roof_m) = (base_m + foot_m, zero_m + roof_m);
+        }
+    }
+
+    /// Refuses roofs above the sea where nothing says how high their ground is.
+    fn refuse_without_base(&self, files: &[FootprintFile], ground: &GroundBelow) -> Result<()> {
+        let lacks_base = |member: &&Member| member.heights.is_roof_absolute && member.heights.base_m.is_none();
+        let first = self.members.iter().find(lacks_base).filter(|_| ground.is_empty());
+        let Some(of) = first.and_then(|first| files.get(first.file)) else { return Ok(()) };
+        let count = counted(self.members.iter().filter(lacks_base).count() as u64, "footprint");
+        let what = format!("{count} with a roof above the sea and no ground: the height of the building is not known");
+        let hint = "name the column of the ground as {base} (as in {base} ground), or add terrain to the scene";
+        Err(Error::input(of.file, None, what, hint))
+    }
+
+    /// Leaves out buildings whose roof above the sea is not above their foot.
+    fn leave_out_below_ground(&mut self, files: &mut [FootprintFile]) {
+        for (block, member) in self.blocks.iter_mut().zip(&self.members) {
+            let height_m = block.roof_m - (block.foot_m - member.heights.foot_m);
+            let stands = block.roof_m > block.foot_m && height_m <= MAX_HEIGHT_M;
+            if member.heights.is_roof_absolute && !stands {
+                block.polygons.clear();
+                if let Some(of) = files.get_mut(member.file) {
+                    of.geometry.leave_out("whose roof above the sea is not from 0 to 1000 m above their ground");
+                }
+            }
         }
     }
 

@@ -6,14 +6,22 @@ use serde_json::{Map, Value};
 
 use crate::attributes::{GONE, is_gone};
 use crate::footprint::StatedHeights;
-use crate::footprint_options::{FOOT_M, FootprintOptions, HeightSource, MAX_HEIGHT_M, STOREY_HEIGHT_M};
+use crate::footprint_options::{FOOT_M, FootprintOptions, HeightAbove, HeightSource, MAX_HEIGHT_M, STOREY_HEIGHT_M};
 
 /// Columns of the height of the roof above the ground, in the order in which they are tried:
-/// OpenStreetMap and Overture; exports of city models; BD TOPO of France.
-const HEIGHTS: [&str; 7] =
-    ["height", "building:height", "height_m", "building_height", "measuredheight", "measured_height", "hauteur"];
+/// OpenStreetMap and Overture; exports of city models; BD TOPO of France; INSPIRE.
+const HEIGHTS: [&str; 8] = [
+    "height",
+    "building:height",
+    "height_m",
+    "building_height",
+    "measuredheight",
+    "measured_height",
+    "hauteur",
+    "heightaboveground",
+];
 /// Columns of the number of storeys above the ground.
-const STOREYS: [&str; 8] = [
+const STOREYS: [&str; 10] = [
     "building:levels",
     "num_floors",
     "levels",
@@ -22,6 +30,8 @@ const STOREYS: [&str; 8] = [
     "floors",
     "storeysaboveground",
     "nombre_d_etages",
+    "numberoffloorsaboveground",
+    "anzahlderoberirdischengeschosse",
 ];
 /// Columns of the height above the ground at which a part begins, and of the storey at which it
 /// does.
@@ -67,6 +77,7 @@ impl<'a> Stated<'a> {
             let counts = names.iter().filter_map(|column| number_of(self.get(column)?));
             counts.map(|count| Height::metres(count * storey_m)).collect()
         };
+        let is_absolute = self.options.height_above == Some(HeightAbove::Sea);
         let asked = |source: &HeightSource| match source {
             HeightSource::Metres(metres) => Some(Height::metres(*metres)),
             HeightSource::Column { name, .. } if is_one_of(name, &STOREYS) => {
@@ -74,12 +85,22 @@ impl<'a> Stated<'a> {
             }
             HeightSource::Column { name, unit_m } => self.height(name, *unit_m),
         };
-        let roofs: Vec<Height> = match self.options.height.is_empty() {
-            true => columns(&HEIGHTS).into_iter().chain(storeys(&STOREYS)).collect(),
-            false => self.options.height.iter().filter_map(asked).collect(),
+        let roof = |source: &HeightSource| {
+            let is_column = matches!(source, HeightSource::Column { name, .. } if !is_one_of(name, &STOREYS));
+            asked(source).map(|roof| Height { is_absolute: is_absolute && is_column, ..roof })
         };
-        // Writers put 0, -1 or -9999 where a height is not known: the next source counts.
-        let roof = roofs.iter().find(|roof| roof.value > 0.0 && roof.value < NO_HEIGHT_FROM).copied();
+        let roofs: Vec<Height> = match self.options.height.is_empty() {
+            true => {
+                let columns = columns(&HEIGHTS).into_iter().map(|roof| Height { is_absolute, ..roof });
+                columns.chain(storeys(&STOREYS)).collect()
+            }
+            false => self.options.height.iter().filter_map(roof).collect(),
+        };
+        // Writers put 0, -1 or -9999 where a height is not known: the next source counts. Roofs may
+        // lie below the sea.
+        let least = |roof: &Height| if roof.is_absolute { NO_FOOT_TO } else { 0.0 };
+        let is_known = |roof: &&Height| roof.value != 0.0 && roof.value > least(roof) && roof.value < NO_HEIGHT_FROM;
+        let roof = roofs.iter().find(is_known).copied();
         let roof = match (roof, roofs.is_empty()) {
             (Some(roof), _) => roof,
             (None, true) => return Err(NO_HEIGHT),
@@ -97,7 +118,9 @@ impl<'a> Stated<'a> {
         let value = self.get(name)?;
         match (number_of(value), unit_m) {
             (Some(number), Some(unit_m)) => Some(Height::metres(number * unit_m)),
-            (Some(number), None) => Some(Height { value: number, has_unit: name.to_lowercase().ends_with("_m") }),
+            (Some(number), None) => {
+                Some(Height { value: number, has_unit: name.to_lowercase().ends_with("_m"), is_absolute: false })
+            }
             (None, _) => metres_of(value).map(Height::metres),
         }
     }
@@ -226,11 +249,13 @@ pub(crate) struct Height {
     value: f64,
     /// True if the value is metres; otherwise it is in the unit of the file.
     has_unit: bool,
+    /// True if the height is above the sea, not above the base.
+    is_absolute: bool,
 }
 
 impl Height {
     fn metres(value: f64) -> Height {
-        Height { value, has_unit: true }
+        Height { value, has_unit: true, is_absolute: false }
     }
 
     fn in_metres(self, unit_m: f64) -> f64 {
@@ -257,17 +282,20 @@ impl Heights {
     /// they are none of a building.
     pub(crate) fn in_metres(self, unit_m: f64) -> Result<StatedHeights, &'static str> {
         let roof_m = self.roof.in_metres(unit_m);
-        if !(roof_m > 0.0 && roof_m <= MAX_HEIGHT_M) {
+        let is_roof_absolute = self.roof.is_absolute;
+        if !is_roof_absolute && !(roof_m > 0.0 && roof_m <= MAX_HEIGHT_M) {
             return Err(BEYOND);
         }
-        let is_canopy = self.is_canopy && self.foot.is_none();
+        let is_canopy = self.is_canopy && self.foot.is_none() && !is_roof_absolute;
         let thin_m = if is_canopy { (roof_m - CANOPY_M).max(0.5 * roof_m) } else { 0.0 };
         let foot_m = self.foot.map_or(thin_m, |foot| foot.in_metres(unit_m));
-        if !(0.0..roof_m).contains(&foot_m) {
+        // Above a base that is not known yet.
+        let most_m = if is_roof_absolute { MAX_HEIGHT_M } else { roof_m };
+        if !(0.0..most_m).contains(&foot_m) {
             return Err("whose foot (min_height) is below the ground or above their roof");
         }
         let base_m = self.base.map(|base| base.in_metres(unit_m));
-        Ok(StatedHeights { roof_m, foot_m, base_m, has_walls: !is_canopy })
+        Ok(StatedHeights { roof_m, is_roof_absolute, foot_m, base_m, has_walls: !is_canopy })
     }
 }
 

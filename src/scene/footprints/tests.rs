@@ -24,7 +24,7 @@ fn house(name: &str, west: f64, south: f64, east: f64, north: f64, roof_m: f64) 
         is_part: false,
         number: 1,
         polygons: vec![vec![ring]],
-        heights: StatedHeights { roof_m, foot_m: 0.0, base_m: None, has_walls: true },
+        heights: StatedHeights { roof_m, is_roof_absolute: false, foot_m: 0.0, base_m: None, has_walls: true },
         attributes: String::new(),
     }
 }

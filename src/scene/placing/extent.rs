@@ -23,6 +23,8 @@ pub struct Extent {
     pub file: PathBuf,
     /// True if the file is a raster of heights.
     pub raster: bool,
+    /// True if its buildings were raised from footprints.
+    pub is_raised: bool,
     /// Lowest and highest corner in the scene, finite.
     pub bounds: [DVec3; 2],
     /// Translation of its positions, metres.

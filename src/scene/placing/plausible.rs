@@ -96,6 +96,9 @@ fn unit(extents: &[Extent]) -> Option<String> {
     let most = if several { TALLEST_BUILDING_M } else { TALLEST_WALLS_M };
     let tall = solid().find_map(|extent| Some((extent, extent.walls.median_m().filter(|tall| *tall > most)?)));
     if let Some((extent, tall)) = tall {
+        if extent.is_raised {
+            return Some(raised_hint(extent, tall));
+        }
         let (unit, scale) = if tall > MILLIMETRES_FROM { ("millimetres", 0.001) } else { ("centimetres", 0.01) };
         let give = if several { "scale = ".to_owned() } else { "{scale} ".to_owned() };
         let whose = if several { " in its [[scene]] of a site.toml" } else { "" };
@@ -114,6 +117,9 @@ fn unit(extents: &[Extent]) -> Option<String> {
     };
     if let Some(extent) = solid().find(wide_walls) {
         let tall = extent.walls.median_m().unwrap_or_default();
+        if extent.is_raised {
+            return Some(raised_hint(extent, tall));
+        }
         return Some(format!(
             "{}: walls are about {tall:.0} m high and even wider{}: if the file is in centimetres, give {}{}{}",
             extent.file.display(),
@@ -138,6 +144,16 @@ fn unit(extents: &[Extent]) -> Option<String> {
             1000.0 * first.scale
         )
     })
+}
+
+/// Returns the warning about walls that no building of a column of heights has. A scale would
+/// shrink the plan, too.
+fn raised_hint(extent: &Extent, tall_m: f64) -> String {
+    format!(
+        "{}: walls are about {tall_m:.0} m high: if the column holds heights of roofs above the sea, give {{height_above}} sea, and the \
+         ground as terrain or as {{base}} COLUMN; if it holds centimetres, give {{height}} COLUMN[cm]",
+        extent.file.display()
+    )
 }
 
 /// Returns true if plane coordinates look like degrees: within their range, far from 0 for their

@@ -3,12 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use crate::cli::Metres;
+use crate::cli::values::choice;
 use clap::Args;
 
 use super::rasters::RasterArgs;
 use heliotile_core::error;
 use heliotile_scene::ModelVersion;
-use heliotile_scene::footprint_options::{FootprintOptions, HeightSource};
+use heliotile_scene::footprint_options::{FootprintOptions, HeightAbove, HeightSource};
 use heliotile_scene::placing::frame::{SiteFrame, UpAxis, check_elevation, check_epsg, check_rotation, check_scale};
 use heliotile_scene::request::SceneRequest;
 use heliotile_scene::site::Site;
@@ -47,6 +48,10 @@ pub struct FootprintArgs {
     /// the outline, 0 without terrain]
     #[arg(long, value_name = "COLUMN|METRES")]
     pub base: Option<HeightSource>,
+    /// Level from which columns of heights count: the base, or the sea for absolute heights of
+    /// roofs, from which the terrain below or --base is taken [default: base]
+    #[arg(long, value_name = "LEVEL", value_parser = choice::<HeightAbove>())]
+    pub height_above: Option<HeightAbove>,
     /// Layer to read of a GeoPackage with several; may be given more than once [default: the layers
     /// of buildings by their names, else all]
     #[arg(long, value_name = "NAME")]
@@ -60,6 +65,7 @@ impl FootprintArgs {
             height: self.height.clone(),
             storey_height_m: self.storey_height.map(|length| length.0),
             base: self.base.clone(),
+            height_above: self.height_above,
             layer: self.layer.clone(),
         }
     }

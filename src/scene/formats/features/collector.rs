@@ -35,7 +35,7 @@ const NO_KEY: &str = "as no buildings: others have a key `building`, they have n
 const FACE: &str = "WallSurface";
 
 /// Geometry from the features that were read so far.
-pub(super) struct Collector<'a> {
+pub(in crate::formats) struct Collector<'a> {
     file: &'a Path,
     asked: &'a Asked,
     geometry: Geometry,
@@ -62,7 +62,7 @@ pub(super) struct Collector<'a> {
 }
 
 impl<'a> Collector<'a> {
-    pub(super) fn new(file: &'a Path, asked: &'a Asked) -> Self {
+    pub(in crate::formats) fn new(file: &'a Path, asked: &'a Asked) -> Self {
         Collector {
             file,
             asked,
@@ -83,7 +83,7 @@ impl<'a> Collector<'a> {
     }
 
     /// Adds a feature, in the coordinates of the file.
-    pub(super) fn add(&mut self, mut feature: Feature) -> Result<()> {
+    pub(in crate::formats) fn add(&mut self, mut feature: Feature) -> Result<()> {
         self.features += 1;
         hstore::unfold(&mut feature.attributes);
         if let Some(what) = feature.unreadable.take() {
@@ -154,7 +154,7 @@ impl<'a> Collector<'a> {
             number: self.features,
             polygons,
             // Their unit is known at the end of the file.
-            heights: StatedHeights { roof_m: 0.0, foot_m: 0.0, base_m: None, has_walls: true },
+            heights: StatedHeights { roof_m: 0.0, is_roof_absolute: false, foot_m: 0.0, base_m: None, has_walls: true },
             attributes: text_of(attributes),
         });
         Ok(())
@@ -202,7 +202,7 @@ impl<'a> Collector<'a> {
     }
 
     /// Returns the geometry in metres.
-    pub(super) fn finish(mut self, system: FeatureSystem) -> Result<Geometry> {
+    pub(in crate::formats) fn finish(mut self, system: FeatureSystem) -> Result<Geometry> {
         self.doubts.extend(system.doubts.iter().cloned());
         self.settle_heights(&system);
         self.refuse_nothing()?;
@@ -326,7 +326,10 @@ impl<'a> Collector<'a> {
             return refuse("the file holds no features".to_owned(), "export outlines of buildings with their heights");
         }
         if let Some(first) = self.first_unreadable.take().filter(|_| self.unreadable == self.features) {
-            return refuse(first, "export the features again, as polygons with straight sides");
+            return refuse(
+                first,
+                "export the features again, as polygons with straight sides: `ogr2ogr -nlt CONVERT_TO_LINEAR out.gpkg FILE`",
+            );
         }
         let mut reasons: Vec<String> =
             self.geometry.left_out.iter().map(|(reason, count)| format!("{count} {reason}")).collect();

@@ -74,7 +74,7 @@ fn the_user_sets_system_and_heights() {
         height: ["height", "levels", "2.5m"].map(|text| text.parse().expect("a source")).to_vec(),
         storey_height_m: Some(4.0),
         base: Some("100m".parse().expect("a source")),
-        layer: Vec::new(),
+        ..FootprintOptions::default()
     };
     let (scene, soup) = Scene::load_with_objects(&site(&town("geojson"), &options, Some(31468))).expect("a scene");
     assert_eq!(scene.place.and_then(|place| place.epsg), Some(31468));
