@@ -25,11 +25,11 @@ fn areas_m2(scene: &Scene, soup: &Soup) -> [f64; 2] {
     })
 }
 
-/// Five files have the roofs and walls (m2) of a sum by hand, within 0.6 %, and say what was done:
+/// Seven files have the roofs and walls (m2) of a sum by hand, within 0.6 %, and say what was done:
 /// longitude first, roofs of LoD 2 without walls beside a closed LoD 1, a building that was torn
-/// down, rings of lines.
+/// down, rings of lines, features of a WFS with a height, buildings of INSPIRE with storeys.
 #[test]
-fn five_files_have_the_areas_of_a_sum_by_hand() {
+fn seven_files_have_the_areas_of_a_sum_by_hand() {
     let mut wrong = Vec::new();
     for (name, roofs, walls, said) in [
         ("plain_epsg4326_lonlat.gml", 200.0, 480.0, "latitude and longitude are swapped"),
@@ -37,6 +37,8 @@ fn five_files_have_the_areas_of_a_sum_by_hand() {
         ("lod2_hip_roof_only.gml", 80.0, 252.0, "1 building (`h`) read in a coarser level"),
         ("terminated_building.gml", 100.0, 800.0, "1 left out that no longer stand"),
         ("ring_of_lines.gml", 100.0, 320.0, ""),
+        ("wfs_footprints.gml", 100.0, 360.0, ""),
+        ("inspire_bu.gml", 100.0, 360.0, ""),
     ] {
         let found = load(name).map(|(scene, soup)| {
             (areas_m2(&scene, &soup), scene.report.warnings.iter().any(|warning| warning.contains(said)))
@@ -53,4 +55,35 @@ fn five_files_have_the_areas_of_a_sum_by_hand() {
     let (scene, _) = load("plain_epsg4326_lonlat.gml").expect("a scene");
     let place = scene.place.expect("a place");
     assert!((place.latitude_deg - 38.9).abs() < 1e-3 && (place.longitude_deg + 77.0).abs() < 1e-3, "{place:?}");
+}
+
+/// Features that a GML file states in other words: a height in an element `value`, coordinates of
+/// two numbers with commas, an outline repeated as reference; arcs and missing heights are named.
+#[test]
+fn features_of_gml_have_their_heights() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("town.gml");
+    let load = |feature: &str| {
+        let text = format!(
+            "<wfs:FeatureCollection><wfs:member><x:Building>{feature}</x:Building></wfs:member></wfs:FeatureCollection>"
+        );
+        std::fs::write(&file, text).expect("written");
+        let site = Site { parts: vec![Part::plain(&file, None)], ..Site::default() };
+        Scene::load_with_objects(&site).map_err(|error| error.to_string())
+    };
+    let outline = "<gml:Polygon srsName=\"EPSG:25832\"><gml:outerBoundaryIs><gml:LinearRing><gml:coordinates>500000,5400000 500010,5400000 \
+                   500010,5400010 500000,5400010 500000,5400000</gml:coordinates></gml:LinearRing></gml:outerBoundaryIs></gml:Polygon>";
+    let height = "<x:heightAboveGround><x:HeightAboveGround><x:value uom=\"m\">12.5</x:value></x:HeightAboveGround></x:heightAboveGround>";
+    let (scene, soup) =
+        load(&format!("{height}<x:geometry>{outline}</x:geometry><x:other>{outline}</x:other>")).expect("a scene");
+    assert_eq!(areas_m2(&scene, &soup).map(f64::round), [100.0, 500.0]);
+    let message = load(&format!("<x:geometry>{outline}</x:geometry>")).err().expect("refused");
+    assert!(message.contains("1 without a height") && message.contains("{height}"), "{message}");
+    let ring = "<gml:Polygon><gml:exterior><gml:Ring><gml:curveMember><gml:Curve><gml:segments><gml:Arc><gml:posList>0 0 1 1 2 0</gml:posList>\
+                </gml:Arc></gml:segments></gml:Curve></gml:curveMember></gml:Ring></gml:exterior></gml:Polygon>";
+    let message = load(&format!("{height}<x:geometry>{ring}</x:geometry>")).err().expect("refused");
+    assert!(message.contains("arcs"), "{message}");
+    let message =
+        load("<x:geometry><gml:Point><gml:pos>1 2</gml:pos></gml:Point></x:geometry>").err().expect("refused");
+    assert!(message.contains("none of the 1 city objects has a surface"), "{message}");
 }

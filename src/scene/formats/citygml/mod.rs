@@ -13,6 +13,7 @@
 //! | `library` | geometry that several objects refer to |
 //! | `closed`, `levels` | choice of the level of detail |
 //! | `assembly` | conversion to a CityJSON document |
+//! | `plain_features` | collections of other features than city objects |
 //!
 //! A file is read piece by piece: besides the polygons, memory holds one city object with its
 //! parts. A file is read twice if its objects refer to geometry of objects that come later.
@@ -38,6 +39,7 @@ mod levels;
 mod library;
 mod members;
 mod northing_first;
+mod plain_features;
 mod scan;
 mod srs_name;
 mod store;
@@ -58,7 +60,7 @@ use crate::geometry::Geometry;
 use crate::input;
 use crate::input::budget::WorkBudget;
 use coordinates::Coordinates;
-use heliotile_core::error::Result;
+use heliotile_core::error::{Error, Result};
 use heliotile_core::text::with_list;
 use levels::Levels;
 use library::Library;
@@ -71,11 +73,16 @@ pub(super) const ENDINGS: [&str; 3] = ["gml", "citygml", "xml"];
 /// Reads a city model.
 pub(super) fn read(path: &Path, asked: &Asked) -> Result<Geometry> {
     let left_out = RefCell::new(Vec::new());
-    let mut geometry = read_all(path, asked, &|take| {
+    let found = read_all(path, asked, &|take| {
         let found = input::members::each(path, &ENDINGS, &asked.footprints.layer, take)?;
         *left_out.borrow_mut() = found;
         Ok(())
-    })?;
+    });
+    let mut geometry = match found {
+        // The collection may hold other features than city objects.
+        Err(error @ Error::Input { .. }) => plain_features::read(path, asked).map(|found| found.ok_or(error))?,
+        found => found,
+    }?;
     let left_out = left_out.into_inner();
     if !left_out.is_empty() {
         let sentence = "themes of the zip that are no buildings and are left out, which {layer} NAME reads instead";

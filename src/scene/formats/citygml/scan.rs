@@ -111,7 +111,8 @@ impl<'f> Scan<'f> {
     }
 }
 
-fn is_collection(name: &str) -> bool {
+/// Returns true for the elements that hold city objects or features.
+pub(super) fn is_collection(name: &str) -> bool {
     matches!(name, "CityModel" | "FeatureCollection" | "SimpleFeatureCollection")
 }
 

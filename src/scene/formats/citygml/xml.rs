@@ -90,6 +90,20 @@ impl<'f> Xml<'f> {
         }
     }
 
+    /// Returns the next child of the current element; or `None` at the element's end, with the text
+    /// behind its last child.
+    pub(super) fn child_or_words(&mut self) -> Result<(Option<Element>, String)> {
+        self.text.clear();
+        loop {
+            match self.step(self.text.len() < LONGEST)? {
+                Piece::Open(element) => return Ok((Some(element), String::new())),
+                Piece::Close => return Ok((None, String::from_utf8_lossy(self.text.trim_ascii()).into_owned())),
+                Piece::Text => {}
+                Piece::End => return Err(self.cut_off()),
+            }
+        }
+    }
+
     /// Reads to the end of the current element.
     pub(super) fn skip(&mut self) -> Result<()> {
         let around = self.depth.saturating_sub(1);

@@ -17,11 +17,11 @@ const ATTRIBUTE_BYTES: u64 = 64;
 
 /// A polygon: its outline, followed by its holes. A ring may be closed by a repeated corner. x is
 /// east or longitude.
-pub(super) type FeaturePolygon = Vec<Vec<DVec3>>;
+pub(in crate::formats) type FeaturePolygon = Vec<Vec<DVec3>>;
 
 /// A record of a file of features.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Feature {
+pub(in crate::formats) struct Feature {
     /// Identifier that the format has apart from the attributes.
     pub id: Option<String>,
     pub attributes: Map<String, Value>,
@@ -47,4 +47,4 @@ impl Feature {
 }
 
 /// A function that takes features one by one.
-pub(super) type TakeFeature<'a> = dyn FnMut(Feature) -> Result<()> + 'a;
+pub(in crate::formats) type TakeFeature<'a> = dyn FnMut(Feature) -> Result<()> + 'a;

@@ -36,10 +36,12 @@ use std::path::Path;
 use crate::formats::Asked;
 use crate::geometry::Geometry;
 use crate::input;
-use collector::Collector;
 use heliotile_core::error::Result;
 
+pub(super) use collector::Collector;
+pub(super) use feature::Feature;
 pub(super) use geojson::is_geojson;
+pub(super) use system::FeatureSystem;
 
 /// Formats of features.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -18,7 +18,7 @@ const WEB_MAPS: u32 = 3857;
 
 /// Coordinate system that a file states.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct FeatureSystem {
+pub(in crate::formats) struct FeatureSystem {
     /// EPSG number.
     pub epsg: Option<u32>,
     /// Kind of coordinates, if it is known.
@@ -37,7 +37,7 @@ const OTHER_WEB_MAPS: [u32; 4] = [900_913, 102_100, 102_113, 3785];
 
 impl FeatureSystem {
     /// Longitude and latitude on WGS 84.
-    pub(super) const WGS84: FeatureSystem = FeatureSystem {
+    pub(in crate::formats) const WGS84: FeatureSystem = FeatureSystem {
         epsg: Some(4326),
         axes: Some(Axes::Degrees),
         unit_m: None,
@@ -46,20 +46,20 @@ impl FeatureSystem {
     };
 
     /// Returns the system of an EPSG number.
-    pub(super) fn of_epsg(epsg: u32) -> FeatureSystem {
+    pub(in crate::formats) fn of_epsg(epsg: u32) -> FeatureSystem {
         let epsg = if OTHER_WEB_MAPS.contains(&epsg) { WEB_MAPS } else { epsg };
         FeatureSystem { epsg: Some(epsg), axes: axes_of(epsg), ..FeatureSystem::default() }
     }
 
     /// Returns the system of well-known text; other text gives an unknown system.
-    pub(super) fn of_text(text: &str) -> FeatureSystem {
+    pub(in crate::formats) fn of_text(text: &str) -> FeatureSystem {
         let found = TextSystem::of(text).unwrap_or_default();
         let known = found.epsg.map(FeatureSystem::of_epsg).unwrap_or_default();
         FeatureSystem { axes: known.axes.or(found.axes), unit_m: found.plane_unit_m, ..known }
     }
 
     /// Returns the unit of plane coordinates, metres; `None` for degrees and where it is unknown.
-    pub(super) fn plane_unit_m(&self) -> Option<f64> {
+    pub(in crate::formats) fn plane_unit_m(&self) -> Option<f64> {
         if self.axes == Some(Axes::Degrees) {
             return None;
         }
@@ -68,7 +68,7 @@ impl FeatureSystem {
 }
 
 /// Conversion of the coordinates of a file to metres of the scene's system.
-pub(super) enum ToMetres {
+pub(in crate::formats) enum ToMetres {
     /// Plane coordinates, times the length of their unit in metres.
     Scaled(f64),
     /// Longitude and latitude, in this order unless latitude is first.
@@ -79,7 +79,7 @@ pub(super) enum ToMetres {
 }
 
 /// Conversion of the coordinates of a file, and what is known of the result.
-pub(super) struct Placing {
+pub(in crate::formats) struct Placing {
     pub to_metres: ToMetres,
     pub reference: Option<Reference>,
     /// True if the converted coordinates are certainly metres.
@@ -93,7 +93,12 @@ pub(super) struct Placing {
 impl Placing {
     /// Decides on a file with coordinates within `bounds`; `asked` is the EPSG number of the
     /// scene's system, if it has one.
-    pub(super) fn of(file: &Path, stated: &FeatureSystem, bounds: [DVec2; 2], asked: Option<u32>) -> Result<Placing> {
+    pub(in crate::formats) fn of(
+        file: &Path,
+        stated: &FeatureSystem,
+        bounds: [DVec2; 2],
+        asked: Option<u32>,
+    ) -> Result<Placing> {
         let [low, high] = bounds;
         let middle = 0.5 * (low + high);
         let like_degrees = low.x >= -180.0 && high.x <= 180.0 && low.y >= -90.0 && high.y <= 90.0;
@@ -178,7 +183,7 @@ impl Placing {
 
 impl ToMetres {
     /// Returns a position in plan, metres; `None` where the system has no such point.
-    pub(super) fn place(&self, at: DVec2) -> Option<DVec2> {
+    pub(in crate::formats) fn place(&self, at: DVec2) -> Option<DVec2> {
         match self {
             ToMetres::Scaled(unit_m) => Some(at * *unit_m),
             ToMetres::Degrees { system, latitude_first: false } => system.plane(at.y, at.x),
