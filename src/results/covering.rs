@@ -114,6 +114,8 @@ pub struct PlacedReceivers {
     /// Number of surfaces that face rooms, the ground or the border of a raster according to their
     /// file, and their area in m2.
     pub inner: (usize, f64),
+    /// Number of free receivers in closed hulls of canopies.
+    pub in_hulls: u64,
     /// Area in m2 of surfaces of objects that are no buildings, by type of object.
     pub beside: BTreeMap<String, f64>,
 }
@@ -213,7 +215,7 @@ pub fn cover_scene(
             chosen.iter().map(|&i| density.points(&surfaces.list[i])).sum()
         }));
     }
-    let (tracer, _) = Canopies::split(scene);
+    let (tracer, canopies) = Canopies::split(scene);
     let progress = Stage::begin(observer, "surfaces", Some(chosen.len() as u64));
     let chosen: Vec<ChosenSurface> = chosen
         .into_par_iter()
@@ -226,7 +228,15 @@ pub fn cover_scene(
         })
         .collect();
     drop(progress);
-    let covered = PlacedReceivers { surfaces, faces, chosen, small, inner, beside };
+    let in_hulls = canopies.map_or(0, |canopies| {
+        let holds = |piece: &Piece| canopies.holds(piece.position + piece.normal * asked.offset_m);
+        let free = |of: &ChosenSurface| {
+            let pairs = of.pieces.par_iter().zip(&of.placements);
+            pairs.filter(|(piece, placement)| **placement == Placement::Free && holds(piece)).count() as u64
+        };
+        chosen.iter().map(free).sum()
+    });
+    let covered = PlacedReceivers { surfaces, faces, chosen, small, inner, in_hulls, beside };
     if within.is_none() && !asked.may_be_none && covered.count(Placement::Free) == 0 {
         let what = format!("no receiver is left: {}", summary(&covered, scene));
         let hint = match (covered.chosen.is_empty(), covered.count(Placement::Inside)) {

@@ -1,10 +1,14 @@
 //! Canopy layers of a build. In: rays of receivers and cells. Out: the leaves and screens that they
 //! cross, and the cells of leaves that they see; nothing if the scene has no canopies.
 
+use rayon::prelude::*;
+
 use super::site_tracer::SiteTracer;
+use crate::receiver_tiles::ReceiverTiles;
 use crate::settings::Effect;
 use crate::trace::canopy::{Canopies, CellCrossings, LeafView, Passage, Path, SeenLeaves};
 use crate::trace::receiver::{HitTrace, Viewpoint};
+use heliotile_core::error::Result;
 use heliotile_core::hemisphere::{HEMISPHERE_SR, texels_in_blocks};
 use heliotile_core::layers::bits::BitSquare;
 use heliotile_core::layers::canopy::{Canopy, SeenLeaf, sky_side};
@@ -16,6 +20,16 @@ impl SiteTracer<'_> {
         self.traces(Effect::Leaves)
             && self.traces(Effect::Diffuse)
             && self.canopies.is_some_and(|canopies| canopies.scatter())
+    }
+
+    /// Counts the receivers that stand in closed hulls of canopies.
+    pub(super) fn count_in_hulls(&self, receivers: &mut ReceiverTiles) -> Result<u64> {
+        let Some(canopies) = self.canopies else { return Ok(0) };
+        let mut count = 0;
+        for tile in receivers.tiles()? {
+            count += tile?.par_iter().filter(|receiver| canopies.holds(receiver.position)).count() as u64;
+        }
+        Ok(count)
     }
 
     /// Returns the view of cells on leaves. Cells that see no surfaces see no scattering leaves,

@@ -28,6 +28,7 @@ use std::sync::atomic::Ordering;
 use crate::receiver_tiles::ReceiverTiles;
 use crate::settings::{BuildSettings, EffectChoice};
 use crate::trace::Tracer;
+use crate::trace::canopy::in_hulls;
 use crate::writing::{Job, Writer};
 use before::Before;
 use heliotile_core::archive::format::TileNumber;
@@ -238,6 +239,7 @@ fn trace(
     tracer.write_name_index(receivers, writer)?;
     let manifest = tracer.manifest(&counts, plan, writer.layers());
     warnings.extend(tiles::warnings(&found.misplaced));
+    warnings.extend(in_hulls(tracer.count_in_hulls(receivers)?));
     let lost_in_mirrors = tracer.lost.each_ref().map(|lost| f64::from_bits(lost.load(Ordering::Relaxed)));
     Ok(Traced { counts, rays, warnings, manifest, lost_in_mirrors })
 }

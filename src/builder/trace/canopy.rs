@@ -10,7 +10,8 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
-use crate::trace::kernel::rays::{Hit, Ray, Tracer};
+use crate::trace::hidden::side_met;
+use crate::trace::kernel::rays::{FaceSide, Hit, Ray, Tracer};
 use crate::trace::probe::{Directions, ProbeTrace};
 use crate::trace::receiver::Viewpoint;
 use crate::trace::surroundings::{SeenCell, seen_from};
@@ -21,11 +22,22 @@ use heliotile_core::site::cells::CellKey;
 use heliotile_core::site::crossing::Crossing;
 use heliotile_core::site::material::Material;
 use heliotile_scene::Scene;
-use heliotile_scene::mesh::Mesh;
+use heliotile_scene::mesh::{Mesh, bounds};
 
 /// Share of the distance below which two hits of touching triangles are one. It covers the rounding
 /// of distances at grazing incidence.
 const ONE_PLACE: f32 = 1e-4;
+
+/// Directions of rays that tell whether a point is in a hull: near the axes, and along no face of a
+/// hull from a raster.
+const ALL_WAYS: [[f32; 3]; 6] = [
+    [0.031, 0.017, 1.0],
+    [-0.023, 0.041, -1.0],
+    [1.0, 0.029, 0.037],
+    [-1.0, 0.043, 0.019],
+    [0.013, 1.0, 0.047],
+    [0.027, -1.0, 0.033],
+];
 
 /// Ray of a list, and its length.
 #[derive(Clone, Copy, Debug)]
@@ -47,6 +59,8 @@ pub struct Canopies<'a> {
     scatters: Vec<bool>,
     /// True if some leaf of the scene scatters light.
     some_scatter: bool,
+    /// Least and greatest corner of all leaves, relative to the origin of the scene, metres.
+    bounds: (DVec3, DVec3),
 }
 
 /// Ray that crosses leaves.
@@ -86,8 +100,12 @@ impl<'a> Canopies<'a> {
         let scatters: Vec<bool> = scene.materials.iter().map(Material::scatters).collect();
         let scatter = |&id: &u32| scatters[usize::from(mesh.triangle_material[id as usize])];
         let some_scatter = leaves.iter().any(scatter);
-        let canopies =
-            (!leaves.is_empty()).then(|| Canopies { mesh, tracer: Tracer::of(mesh, &leaves), scatters, some_scatter });
+        let corners = leaves.iter().flat_map(|&id| mesh.triangle_points(id as usize));
+        let bounds = bounds(corners);
+        let canopies = (!leaves.is_empty()).then(|| {
+            let tracer = Tracer::of(mesh, &leaves);
+            Canopies { mesh, tracer, scatters, some_scatter, bounds }
+        });
         (Tracer::of(mesh, &opaque), canopies)
     }
 
@@ -99,6 +117,24 @@ impl<'a> Canopies<'a> {
     /// Returns true if some leaves scatter light.
     pub(crate) fn scatter(&self) -> bool {
         self.some_scatter
+    }
+
+    /// Returns true if a point, in input coordinates, is in a closed hull, as of a crown: rays in all
+    /// directions leave more hulls than they enter. Leaves and screens have no inside.
+    pub fn holds(&self, point: DVec3) -> bool {
+        let (from, (low, high)) = (self.mesh.grid().relative(point), self.bounds);
+        if !(from.cmpge(low).all() && from.cmple(high).all()) {
+            return false;
+        }
+        let left = |direction: &[f32; 3]| {
+            let ray = Ray { origin: from.as_vec3().to_array(), direction: *direction };
+            let hits = self.along(&Path { place: 0, ray, reach_m: f32::INFINITY });
+            let sides = hits.iter().map(|hit| if side_met(&ray, hit, self.mesh) == FaceSide::Back { 1 } else { -1 });
+            sides.sum::<i32>()
+        };
+        let all = ALL_WAYS.each_ref().map(left);
+        // Faces of a hull may all be wound inwards.
+        all.iter().all(|left| *left > 0) || all.iter().all(|left| *left < 0)
     }
 
     /// Returns the crossings of some rays, by place and material.
@@ -168,6 +204,19 @@ impl<'a> Canopies<'a> {
         self.mesh.triangle_material[a] == self.mesh.triangle_material[b]
             && self.mesh.triangles[a].iter().any(|corner| corners.contains(corner))
     }
+}
+
+/// Returns a warning about a number of receivers in closed hulls of canopies, if there are any.
+pub fn in_hulls(count: u64) -> Option<String> {
+    let (what, see) = match count {
+        0 => return None,
+        1 => ("1 receiver stands in the closed hull of a canopy".to_owned(), "it sees"),
+        many => (format!("{many} receivers stand in closed hulls of canopies"), "they see"),
+    };
+    Some(format!(
+        "{what}, such as crowns of trees: {see} at most what a wall of the hull lets through, in all directions; place receivers below \
+         or beside crowns, or state a higher transmittance"
+    ))
 }
 
 /// Adds one crossing of a material.
@@ -326,6 +375,36 @@ mod tests {
     use super::*;
     use glam::DVec3;
     use heliotile_core::site::material::{Class, Material};
+
+    /// In a hull of 4 x 4 x 3 m, wound outwards or inwards, and where two hulls overlap, the middle is
+    /// inside, and points below, beside and above it are not. Between two screens nothing is inside.
+    #[test]
+    fn only_closed_hulls_hold_points() {
+        let crown =
+            |name: &str| Material { transmittance: Some(0.17), ..Material::matt(name, 0.0, Class::Obstruction) };
+        let holds = |triangles: &[([DVec3; 3], u16)], points: &[[f64; 3]]| -> Vec<bool> {
+            let scene = Scene::from_triangles(triangles, vec![crown("crown")]).expect("a scene");
+            let canopies = Canopies::split(&scene).1.expect("canopies");
+            points.iter().map(|point| canopies.holds(DVec3::from(*point))).collect()
+        };
+        let hull = |at: DVec3, faces: usize| {
+            let corner = |i: usize| at + DVec3::new(4.0 * (i & 1) as f64, 2.0 * (i & 2) as f64, 0.75 * (i & 4) as f64);
+            let sides = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [1, 3, 7, 5], [3, 2, 6, 7], [2, 0, 4, 6]];
+            let halves = |s: [usize; 4]| [([s[0], s[1], s[2]].map(corner), 0), ([s[0], s[2], s[3]].map(corner), 0)];
+            sides.into_iter().take(faces).flat_map(halves).collect::<Vec<_>>()
+        };
+        let points = [[2.0, 2.0, 3.5], [2.0, 2.0, 1.0], [6.0, 2.0, 3.5], [2.0, 2.0, 6.0]];
+        let one = hull(DVec3::new(0.0, 0.0, 2.0), 6);
+        let turned: Vec<_> = one.iter().map(|([a, b, c], material)| ([*c, *b, *a], *material)).collect();
+        let two = [one.clone(), hull(DVec3::new(1.0, 1.0, 1.5), 6)].concat();
+        assert_eq!(holds(&one, &points), [true, false, false, false]);
+        assert_eq!(holds(&turned, &points), [true, false, false, false]);
+        assert_eq!(holds(&two, &points), [true, false, false, false]);
+        // The first two faces are the underside and the top.
+        assert_eq!(holds(&hull(DVec3::new(0.0, 0.0, 2.0), 2), &points), [false; 4]);
+        assert_eq!(in_hulls(0), None);
+        assert!(in_hulls(3).is_some_and(|text| text.starts_with("3 receivers stand in closed hulls")));
+    }
 
     /// A leaf of six triangles around a corner, drawn from both sides, lies below a quad of two.
     /// Rays through the corner, an edge, a diagonal and the middle of triangles cross 2 leaves

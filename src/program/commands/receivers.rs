@@ -8,9 +8,11 @@ use super::console::terminal::Terminal;
 use super::console::voice::remark_aside;
 use super::{Outcome, remark};
 use crate::cli::ReceiversArgs;
+use heliotile_builder::trace::canopy::in_hulls;
 use heliotile_builder::trace::placement::Placement;
 use heliotile_builder::writing::guards::{guard_output, guard_site};
 use heliotile_core::error::Result;
+use heliotile_core::observer::Observer;
 use heliotile_core::text::counted;
 use heliotile_results::along::write_points;
 use heliotile_results::covering::{cover_site, summary, write};
@@ -35,6 +37,8 @@ pub fn run(args: &ReceiversArgs) -> Result<Outcome> {
         return tell(to_file, &args.output, &text);
     }
     let (scene, covered) = cover_site(&site, &args.cover.request(), &Terminal::default())?;
+    // A build warns of them itself.
+    in_hulls(covered.in_hulls).iter().for_each(|text| Terminal::default().warn(text));
     let offset_m = args.cover.offset.0;
     write(&args.output, &covered, covered.free(), offset_m, false)?;
     if let Some(path) = &args.buried {
