@@ -283,7 +283,7 @@ impl Heights {
     pub(crate) fn in_metres(self, unit_m: f64) -> Result<StatedHeights, &'static str> {
         let roof_m = self.roof.in_metres(unit_m);
         let is_roof_absolute = self.roof.is_absolute;
-        if !is_roof_absolute && !(roof_m > 0.0 && roof_m <= MAX_HEIGHT_M) {
+        if !(is_roof_absolute || roof_m > 0.0 && roof_m <= MAX_HEIGHT_M) {
             return Err(BEYOND);
         }
         let is_canopy = self.is_canopy && self.foot.is_none() && !is_roof_absolute;

@@ -86,7 +86,7 @@ pub(super) fn read(path: &Path, asked: &Asked) -> Result<Geometry> {
     let left_out = left_out.into_inner();
     if !left_out.is_empty() {
         let sentence = "themes of the zip that are no buildings and are left out, which {layer} NAME reads instead";
-        geometry.doubts.push(with_list(sentence, left_out.into_iter()));
+        geometry.doubts.push(with_list(sentence, left_out));
     }
     Ok(geometry)
 }
@@ -110,6 +110,7 @@ fn read_all(path: &Path, asked: &Asked, open: &dyn Fn(&mut Opener) -> Result<()>
             levels: BTreeSet::new(),
             instanced: 0,
             budget: WorkBudget::of_file(path),
+            coarser: Vec::new(),
             skipped: Vec::new(),
             mend: MEND,
         },

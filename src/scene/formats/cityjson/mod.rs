@@ -135,6 +135,7 @@ impl<'a> Header<'a> {
             levels: BTreeSet::new(),
             instanced: 0,
             budget: WorkBudget::of_file(file),
+            coarser: Vec::new(),
             skipped: Vec::new(),
             mend: MEND,
         }
@@ -143,7 +144,7 @@ impl<'a> Header<'a> {
 
 /// Returns the geometry that was read, or an error that says why there is none.
 pub(super) fn finish(reader: Reader) -> Result<Geometry> {
-    let Reader { file, mut geometry, objects, levels, asked, skipped, mend, .. } = reader;
+    let Reader { file, mut geometry, objects, levels, asked, coarser, skipped, mend, .. } = reader;
     if geometry.face_count() > 0 {
         let cut = openings::cut_openings(&mut geometry);
         if cut > 0 {
@@ -151,6 +152,14 @@ pub(super) fn finish(reader: Reader) -> Result<Geometry> {
             geometry
                 .doubts
                 .push(format!("{what} (windows, doors) lie on walls and roofs without holes: cut out of them"));
+        }
+        if let Some((first, others)) = coarser.split_first() {
+            let count = counted(coarser.len() as u64, "building");
+            let sentence = format!(
+                "{count} (`{}`) read in a coarser level of detail: the finest one has no walls; state `lod` to choose a level",
+                excerpt(first.as_bytes())
+            );
+            geometry.doubts.push(with_list(&sentence, others.iter().cloned()));
         }
         geometry.warnings.extend(left_out(file, &skipped, mend));
         return Ok(geometry);

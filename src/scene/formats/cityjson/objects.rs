@@ -10,7 +10,7 @@ use crate::formats::cityjson::document::{CityObject, Document, Lod, Shape, Text}
 use crate::formats::cityjson::frame::Frame;
 use crate::formats::cityjson::parents::Parents;
 use crate::formats::cityjson::surfaces::{
-    INNER, VIRTUAL, by_tilt, depth_of, is_building, is_hull, kind_of, plain, semantic,
+    INNER, VIRTUAL, WALL, by_tilt, depth_of, is_building, is_hull, kind_of, plain, semantic,
 };
 use crate::formats::cityjson::templates::{CORNER_BYTES, MAX_CORNERS, Template, matrix};
 use crate::geometry::Geometry;
@@ -48,6 +48,8 @@ pub(in crate::formats) struct Reader<'f, 'h> {
     pub instanced: u64,
     /// Memory that instances may take.
     pub budget: WorkBudget,
+    /// Names of buildings whose finest level of detail has no walls while a coarser one has.
+    pub coarser: Vec<String>,
     /// Errors of objects that are left out.
     pub skipped: Vec<Error>,
     /// Hint on how to repair a damaged file of the format.
@@ -94,7 +96,8 @@ impl<'h> Reader<'_, 'h> {
     pub(in crate::formats) fn add(&mut self, document: &Document) -> Result<()> {
         let range = self.vertices(&document.vertices)?;
         self.objects += document.objects.len();
-        let chosen: Vec<Offers> = document.objects.iter().map(|(_, object)| self.choose(object)).collect();
+        let chosen: Vec<Offers> =
+            document.objects.iter().map(|(id, object)| self.choose(&id.0, object, range)).collect();
         self.count_instances(&chosen)?;
         let parts = finest_parts(&document.objects, &chosen);
         let parents = Parents::of(&document.objects);
@@ -191,8 +194,9 @@ impl<'h> Reader<'_, 'h> {
 
     /// Returns the geometries of an object's chosen level of detail: the level asked for, otherwise
     /// the finest below it; the finest of all if no level is asked for. All geometries of that
-    /// level belong to the object (CityJSON 2.0.1, section 3).
-    fn choose<'d>(&mut self, object: &'d CityObject) -> Offers<'d> {
+    /// level belong to the object (CityJSON 2.0.1, section 3). A building whose finest level has no
+    /// walls gets its finest level that has.
+    fn choose<'d>(&mut self, id: &str, object: &'d CityObject, range: Range) -> Offers<'d> {
         let mut offers: Offers = Vec::new();
         if object.kind.0 == "CityObjectGroup" {
             let outlines = object.geometry.iter().flatten().count();
@@ -213,14 +217,33 @@ impl<'h> Reader<'_, 'h> {
         if self.levels.len() < LEVELS_NAMED {
             self.levels.extend(offers.iter().filter_map(|offer| offer.lod));
         }
-        let Some(level) = level_of(offers.iter().map(|offer| offer.lod), self.asked) else {
+        let Some(mut level) = level_of(offers.iter().map(|offer| offer.lod), self.asked) else {
             offers.iter().for_each(|_| self.geometry.leave_out(NO_LEVEL));
             return Vec::new();
         };
+        if self.asked.is_none() && is_hull(plain(&object.kind)) && offers.iter().any(|offer| offer.lod != level) {
+            let walled = offers.iter().filter(|offer| self.has_walls(offer.shape, range)).map(|offer| offer.lod).max();
+            if let Some(walled) = walled.filter(|walled| *walled < level) {
+                level = walled;
+                self.coarser.push(id.to_owned());
+            }
+        }
         let before = offers.len();
         offers.retain(|offer| offer.lod == level);
         (offers.len()..before).for_each(|_| self.geometry.leave_out(OTHER_LEVEL));
         offers
+    }
+
+    /// Returns true if a geometry has an upright face, or is an instance of a template.
+    fn has_walls(&self, shape: &Shape, range: Range) -> bool {
+        let Some(boundaries) = shape.boundaries.as_ref().filter(|_| shape.kind.0 != "GeometryInstance") else {
+            return shape.template.is_some();
+        };
+        let surfaces = boundaries.surfaces(depth_of(&shape.kind.0).unwrap_or_default(), None).unwrap_or_default();
+        let outlines = surfaces.iter().filter_map(|surface| boundaries.rings(surface).next());
+        let mut known =
+            outlines.filter(|outline| outline.len() > 2 && outline.iter().all(|corner| *corner < range.count));
+        known.any(|outline| self.tilt(outline, range) == WALL)
     }
 
     fn shape(&mut self, owner: &Owner, shape: &Shape, range: Range) -> Result<()> {

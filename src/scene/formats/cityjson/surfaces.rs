@@ -70,6 +70,9 @@ pub(in crate::formats) fn is_hull(kind: &str) -> bool {
     (kind.starts_with("Building") && !inside.contains(&kind)) || kind.ends_with("Building")
 }
 
+/// Name of a wall.
+pub(super) const WALL: &str = "WallSurface";
+
 /// Returns the name of a building's face by the upward part of its normal. A roof faces up, a wall
 /// is steeper than 75 degrees from level, and every face that looks down counts as the floor plate
 /// on the ground, including the few undersides of balconies.
@@ -83,7 +86,7 @@ pub(super) fn by_tilt(ring: impl Iterator<Item = DVec3> + Clone) -> &'static str
     match () {
         () if up > STEEP => "RoofSurface",
         () if up < -STEEP => "GroundSurface",
-        () => "WallSurface",
+        () => WALL,
     }
 }
 

@@ -96,8 +96,8 @@ fn semantics_name_faces_before_the_object_type() {
 /// finest below it, or none.
 #[test]
 fn the_finest_or_requested_level_is_read() {
-    let roof = |lod: &str| format!(r#"{{"type":"MultiSurface","lod":"{lod}","boundaries":[[[4,5,6,7]]]}}"#);
-    let text = building(&[solid("2.2"), roof("2.10"), solid("1"), roof("2.10")].join(","));
+    let wall = |lod: &str| format!(r#"{{"type":"MultiSurface","lod":"{lod}","boundaries":[[[0,1,5,4]]]}}"#);
+    let text = building(&[solid("2.2"), wall("2.10"), solid("1"), wall("2.10")].join(","));
     for (asked, faces, others) in
         [(None, 2, 2), (Some("2.2"), 6, 3), (Some("2"), 6, 3), (Some("2.10"), 2, 2), (Some("3"), 2, 2)]
     {
@@ -445,4 +445,40 @@ fn refusals_name_file_line_and_fault() {
     let deep =
         with("\"CityObjects\"", &format!("\"x\":{}1{},\"CityObjects\"", "[".repeat(100_000), "]".repeat(100_000)));
     assert_eq!(read(&deep).face_count(), 6);
+}
+
+/// A roof of level 2 beside a solid of level 1 gives way to the solid with its 6 faces and a
+/// warning, unless level 2 is asked for. With one wall level 2 is read.
+#[test]
+fn a_roof_without_walls_gives_way_to_a_solid() {
+    let surfaces = |faces: &str| format!(r#"{{"type":"MultiSurface","lod":"2","boundaries":[{faces}]}}"#);
+    let both = |faces: &str| building(&format!("{},{}", solid("1"), surfaces(faces)));
+    let roof = both("[[4,5,6,7]]");
+    let geometry = read(&roof);
+    assert_eq!((geometry.face_count(), left_out(&geometry)), (6, 1));
+    let [doubt] = geometry.doubts.as_slice() else { panic!("{:?}", geometry.doubts) };
+    assert!(doubt.starts_with("1 building (`b`) read in a coarser level of detail"), "{doubt}");
+    let asked = read_as(&roof, "town.city.json", Some("2")).expect("readable");
+    assert_eq!((asked.face_count(), asked.doubts.len()), (1, 0));
+    let walled = read(&both("[[4,5,6,7]],[[0,1,5,4]]"));
+    assert_eq!((walled.face_count(), walled.doubts.len()), (2, 0));
+    assert_eq!(read(&building(&surfaces("[[4,5,6,7]]"))).face_count(), 1);
+}
+
+/// A house that was torn down in 2018 and its part are left out; the one built in its place stays.
+#[test]
+fn buildings_that_no_longer_stand_are_left_out() {
+    let house =
+        |id: &str, kind: &str, more: &str| format!(r#""{id}":{{"type":"{kind}",{more}"geometry":[{}]}}"#, solid("1"));
+    let gone = r#""attributes":{"yearOfDemolition":2018},"children":["c"],"#;
+    let objects =
+        [house("a", "Building", gone), house("c", "BuildingPart", r#""parents":["a"],"#), house("b", "Building", "")]
+            .join(",");
+    let geometry = read(&model(&objects));
+    assert_eq!(
+        (geometry.objects.as_slice(), left_out(&geometry)),
+        (&["b".to_owned()][..], 2),
+        "{:?}",
+        geometry.left_out
+    );
 }
