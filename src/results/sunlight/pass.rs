@@ -80,7 +80,7 @@ impl SunlightRequest {
             Some(before) => about.with("root_before", before.archives.root()),
             None => about,
         };
-        let about = about.with("utc_offset", plan.zone.standard(self.year)).with("clock", &plan.zone);
+        let about = about.with("utc_offset", plan.zone.standard(self.year)).with("clock", plan.zone);
         let told = RowsAbout { called: self.called(&columns, site.place), about, place: site.place, scene: None };
         let calendars: Vec<&Path> = self.calendars(files).collect();
         let drawn = files.plots.iter().map(PathBuf::as_path).filter(|plot| !calendars.contains(plot));

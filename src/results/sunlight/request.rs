@@ -240,7 +240,7 @@ impl SunlightRequest {
             ));
         }
         let of_weather = weather.as_ref().map(|weather| ClockZone::Hours(weather.site.zone_hours));
-        let zone = self.zone.clone().or(of_weather).unwrap_or_else(|| {
+        let zone = self.zone.or(of_weather).unwrap_or_else(|| {
             let zone = ClockZone::of_longitude(place.longitude_deg);
             resources
                 .observer
