@@ -99,3 +99,38 @@ fn every_source_becomes_shading_around_a_model() {
         assert!(shades > 8, "{kind}: {shades}: {}", stderr(&output));
     }
 }
+
+/// Writes an Esri ASCII grid of 20 x 20 cells of 2 m, by the height of a column and row.
+fn grid(folder: &Folder, name: &str, height: impl Fn(usize, usize) -> f64) {
+    let line = |row: usize| (0..20).map(|column| format!("{} ", height(column, row))).collect::<String>() + "\n";
+    let cells: String = (0..20).map(line).collect();
+    folder.write(name, &format!("ncols 20\nnrows 20\nxllcorner 0\nyllcorner 0\ncellsize 2\n{cells}"));
+}
+
+/// A crown of 10 x 10 m, 8 m high with 2 m of trunk, stands at the east wall of a block of 10 m: 15
+/// of the 25 receivers on this wall are in the crown, and `receivers` and `run` say so once. Of 4
+/// points in a forest of ground and this crown alone, 1 is inside, the others below, beside, above.
+#[test]
+fn receivers_in_crowns_are_counted() {
+    let folder = Folder::new();
+    let is_in =
+        |column: usize, row: usize, first: usize| (first..first + 5).contains(&column) && (5..10).contains(&row);
+    grid(&folder, "dem.asc", |_, _| 0.0);
+    grid(&folder, "dsm.asc", |column, row| if is_in(column, row, 5) { 10.0 } else { 0.0 });
+    grid(&folder, "chm.asc", |column, row| if is_in(column, row, 10) { 8.0 } else { 0.0 });
+    let points = ["in,25,25,5", "below,25,25,1", "beside,35,25,5", "above,25,25,9"].map(|row| format!("{row},0,0,1\n"));
+    folder.write("points.csv", &format!("receiver,x,y,z,nx,ny,nz\n{}", points.concat()));
+    let city = "--dsm dsm.asc --dem dem.asc --canopy chm.asc --spacing 2m";
+    let weather = golden().display().to_string();
+    for (command, said) in [
+        (format!("receivers {city} -o walls.csv"), "15 receivers stand in closed hulls"),
+        (format!("run {city} -w {weather} --quality draft -o walls"), "15 receivers stand in closed hulls"),
+        (
+            "build --dem dem.asc --canopy chm.asc -r points.csv --quality draft -o forest.helio".to_owned(),
+            "1 receiver stands in the closed hull",
+        ),
+    ] {
+        let text = stderr(&done(&folder, &command));
+        assert_eq!((text.matches("closed hull").count(), text.contains(said)), (1, true), "{command}: {text}");
+    }
+}

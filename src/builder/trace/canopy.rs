@@ -119,8 +119,8 @@ impl<'a> Canopies<'a> {
         self.some_scatter
     }
 
-    /// Returns true if a point, in input coordinates, is in a closed hull, as of a crown: rays in all
-    /// directions leave more hulls than they enter. Leaves and screens have no inside.
+    /// Returns true if a point, in input coordinates, is in a closed hull, as of a crown: rays in
+    /// all directions leave more hulls than they enter. Leaves and screens have no inside.
     pub fn holds(&self, point: DVec3) -> bool {
         let (from, (low, high)) = (self.mesh.grid().relative(point), self.bounds);
         if !(from.cmpge(low).all() && from.cmple(high).all()) {
@@ -376,8 +376,9 @@ mod tests {
     use glam::DVec3;
     use heliotile_core::site::material::{Class, Material};
 
-    /// In a hull of 4 x 4 x 3 m, wound outwards or inwards, and where two hulls overlap, the middle is
-    /// inside, and points below, beside and above it are not. Between two screens nothing is inside.
+    /// In a hull of 4 x 4 x 3 m, wound outwards or inwards, and where two hulls overlap, the middle
+    /// is inside, and points below, beside and above it are not. Between two screens nothing is
+    /// inside.
     #[test]
     fn only_closed_hulls_hold_points() {
         let crown =

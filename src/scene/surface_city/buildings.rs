@@ -163,7 +163,8 @@ impl Buildings<'_> {
     }
 
     /// Returns true if no wall stands along a straight line, because the surface ends there: at the
-    /// border of the raster, or at nodata if the surface shows ground elsewhere beside the building.
+    /// border of the raster, or at nodata if the surface shows ground elsewhere beside the
+    /// building.
     fn is_cut(&self, chain: &Chain, line: &Polyline, from: usize, foot: &Foot) -> bool {
         let ends = line.corners.get(from).zip(line.corners.get(from + 1));
         let corners = ends.and_then(|(a, b)| chain.corners.get(*a..=*b)).unwrap_or_default();

@@ -30,8 +30,8 @@ const SAME_WAY: f64 = 0.906;
 /// pieces are joined; and its largest ratio to that from their own planes.
 const ONE_PLANE_M: f64 = 0.15;
 const NEARLY: f64 = 1.15;
-/// Root mean square of rounding errors, as a share of the step between heights (sqrt(1 / 12)), and a
-/// margin.
+/// Root mean square of rounding errors, as a share of the step between heights (sqrt(1 / 12)), and
+/// a margin.
 const ROUNDED: f64 = 0.32;
 /// Least slope of a plane through stairs (6 degrees): level roofs a step apart are two.
 const LEAST_STAIRS: f64 = 0.1;

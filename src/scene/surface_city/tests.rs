@@ -207,10 +207,10 @@ fn cuts_are_no_facades() {
     }
 }
 
-/// Gables in whole metres have 2 roofs with their areas within 3 % and their pitch within 2 degrees:
-/// 30 x 20 m with a pitch of 26.6 degrees along the axes (670.8 m2) at cells of 1 m, and turned ones
-/// of 20 x 14 m with pitches of 20, 30 and 45 degrees at cells of 1 and 0.5 m. Stairs are said once.
-/// Level roofs a metre apart stay two, with walls between them, and nothing is said.
+/// Gables in whole metres have 2 roofs with their areas within 3 % and their pitch within 2
+/// degrees: 30 x 20 m with a pitch of 26.6 degrees along the axes (670.8 m2) at cells of 1 m, and
+/// turned ones of 20 x 14 m with pitches of 20, 30 and 45 degrees at cells of 1 and 0.5 m. Stairs
+/// are said once. Level roofs a metre apart stay two, with walls between them, and nothing is said.
 #[test]
 fn whole_metres_make_no_stairs() {
     let whole = |cells: usize, cell_m: f64, height: &dyn Fn(DVec2) -> f64| {
@@ -289,9 +289,9 @@ fn a_crown_over_a_lawn_is_a_hull() {
     assert_eq!((trees.len(), trees[0].object.as_str()), (1, "trees_1012_1988"));
 }
 
-/// Ground in cells of 5 m that rises by 0.2 m a metre, with crowns in cells of 0.5 m and no surface,
-/// is a forest: 900 m2 of ground, no roof, and the hull of a crown of 6 x 6 m whose top stands 8 m
-/// above the ground.
+/// Ground in cells of 5 m that rises by 0.2 m a metre, with crowns in cells of 0.5 m and no
+/// surface, is a forest: 900 m2 of ground, no roof, and the hull of a crown of 6 x 6 m whose top
+/// stands 8 m above the ground.
 #[test]
 fn ground_and_crowns_are_a_forest() {
     let folder = tempfile::tempdir().expect("a folder");
