@@ -78,7 +78,7 @@ fn roofs_above_the_sea_stand_on_their_ground() {
     let (scene, soup) = at(Some("ground"), Some(HeightAbove::Sea)).expect("a scene");
     assert_eq!(areas_m2(&scene, &soup).map(f64::round), [600.0, 2640.0]);
     assert!(!hints(&scene) && (soup.bounds().0.z, soup.bounds().1.z) == (408.0, 422.0));
-    let message = at(None, Some(HeightAbove::Sea)).err().expect("refused");
+    let message = at(None, Some(HeightAbove::Sea)).expect_err("refused");
     assert!(
         message.contains("5 footprints with a roof above the sea") && message.contains("{base} ground"),
         "{message}"
@@ -104,7 +104,7 @@ fn names_places_and_missing_heights_are_those_of_the_file() {
     assert!(all.contains("M\u{fc}llerweg") && all.contains("\u{c5}ngstr\u{f6}mgatan"), "{all}");
     let (scene, _) = load("wktcrs.parquet").expect("a scene");
     assert!(scene.place.is_some(), "{:?}", scene.report);
-    let message = load("campus_z.geojson").err().expect("refused");
+    let message = load("campus_z.geojson").expect_err("refused");
     assert!(message.contains("1 without a height"), "{message}");
 }
 
