@@ -55,8 +55,8 @@ pub(crate) fn is_gone(attributes: &Map<String, Value>) -> bool {
     ends.peek().is_some() && today().is_some_and(|today| ends.any(|end| end < today))
 }
 
-/// Returns the year, month and day of `2018-06-01`, `2018-06` or `2018`, with or without a time; the
-/// last day of a month or year whose day is not stated.
+/// Returns the year, month and day of `2018-06-01`, `2018-06` or `2018`, with or without a time;
+/// the last day of a month or year whose day is not stated.
 fn date_of(text: &str) -> Option<[u64; 3]> {
     let day = text.trim().split(['T', ' ']).next().unwrap_or_default();
     let mut numbers = day.split('-').map(|number| number.parse::<u64>().ok());
@@ -118,7 +118,7 @@ mod tests {
     use super::*;
     use serde_json::json;
 
-    /// Of nine objects four no longer stand: by a day, a month, a year, and a day with a time. Days
+    /// Four of nine objects no longer stand: by a day, a month, a year, and a day with a time. Days
     /// to come, dates that stand for none and other texts say nothing.
     #[test]
     fn four_of_nine_objects_no_longer_stand() {

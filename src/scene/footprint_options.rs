@@ -161,8 +161,8 @@ impl Display for HeightSource {
 mod tests {
     use super::*;
 
-    /// Three texts are metres, five are columns, three of them in feet, metres and centimetres, and two
-    /// are refused; each source is read back from its own text.
+    /// Three texts are metres, five are columns, three of them in feet, metres and centimetres, and
+    /// two are refused; each source is read back from its own text.
     #[test]
     fn a_source_of_heights_is_read_from_its_text() {
         let of = |text: &str| text.parse::<HeightSource>();

@@ -91,8 +91,9 @@ mod tests {
         each.sum()
     }
 
-    /// A comb of 40,002 corners has n - 2 triangles and its area, 100 m2 of 10,000 teeth; a square of
-    /// 4 x 4 m with a hole of 2 x 2 m and a slit keeps 12 m2; a bow tie crosses itself and gets none.
+    /// A comb of 40,002 corners has n - 2 triangles and its area, 100 m2 of 10,000 teeth; a square
+    /// of 4 x 4 m with a hole of 2 x 2 m and a slit keeps 12 m2; a bow tie crosses itself and gets
+    /// none.
     #[test]
     fn many_corners_and_holes_keep_their_area() {
         let teeth = (0..20_000).map(|i| [f64::from(i), if i % 2 == 0 { 0.01 } else { 0.02 }]);

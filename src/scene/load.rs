@@ -26,7 +26,7 @@ use crate::placing::extent::{Extent, Walls};
 use crate::placing::frame::SiteFrame;
 use crate::placing::plausible::doubts;
 use crate::placing::whereabouts::place_of;
-use crate::placing::y_up::sign_of_y_up;
+use crate::placing::y_up::y_up_warning;
 use crate::polygon;
 use crate::polygon::{OFF_PLANE_M, Triangulation, object_name};
 use crate::reference::Reference;
@@ -130,7 +130,6 @@ struct Outlined {
 
 impl Outlined {
     fn new(part: Part, mut geometry: Geometry) -> Self {
-        geometry.is_raised = true;
         geometry.vertices.iter_mut().for_each(|vertex| *vertex = part.place(*vertex));
         for corner in geometry.footprints.iter_mut().flat_map(|footprint| &mut footprint.polygons).flatten().flatten() {
             *corner = part.place(corner.extend(0.0)).truncate();
@@ -449,16 +448,8 @@ impl Pile {
         let corners = || cut.triangles.iter().map(|t| t.corners.map(|corner| position(corner).unwrap_or_default()));
         let mut walls = Walls::default();
         corners().for_each(|triangle| walls.add(triangle));
-        // Turned by `rotate_deg`, its y axis is not the scene's.
-        if part.lacks_up()
-            && part.rotate_deg == 0.0
-            && let Some(sign) = sign_of_y_up(corners(), geometry.header_up)
-        {
-            self.report.warnings.push(format!(
-                "{}: {sign}, but z is taken for up; if y points up, give {{up}} y; {{up}} z keeps it as it is",
-                part.file.display()
-            ));
-        }
+        let header_up = part.lacks_up().then_some(geometry.header_up);
+        self.report.warnings.extend(header_up.and_then(|header| y_up_warning(&part.file, corners(), header)));
         let (low, high) = bounds(corners().flatten());
         if !low.is_finite() {
             // A file without triangles has no extent to check.

@@ -14,8 +14,8 @@ use heliotile_core::site::morton::lexicographic;
 /// Most corners of a face.
 const MAX_CORNERS: usize = 65_536;
 
-/// Corners of a face beyond which ears are not clipped: that costs up to the square of their number,
-/// 26 s for a spiral of [`MAX_CORNERS`].
+/// Corners of a face beyond which ears are not clipped: that costs up to the square of their
+/// number, 26 s for a spiral of [`MAX_CORNERS`].
 const MANY_CORNERS: usize = 4096;
 
 /// Most corners of a face that crosses itself, for which only clipping of ears is left: 3 s for a

@@ -119,9 +119,10 @@ impl Part {
         Part { scale, elevation_m, up, ..self.clone() }
     }
 
-    /// Returns true if neither the format of the file nor the user states which axis points up.
+    /// Returns true if neither the format of the file nor the user states which axis points up, and
+    /// y of the file is y of the scene.
     pub(super) fn lacks_up(&self) -> bool {
-        self.up.is_none() && has_no_up(&self.file)
+        self.up.is_none() && self.rotate_deg == 0.0 && has_no_up(&self.file)
     }
 
     /// Returns the metres a unit of the file.

@@ -379,9 +379,9 @@ mod tests {
         }
     }
 
-    /// A roof of 12 x 5.49 m at 35 degrees is cut at 20 spacings from 0.2 to 1.15 m: all receivers lie
-    /// on it within 1e-9 m, though cuts leave slivers without a plane. Before, 1 of 65 at 1 m lay 7 mm
-    /// below it.
+    /// A roof of 12 x 5.49 m at 35 degrees is cut at 20 spacings from 0.2 to 1.15 m: all receivers
+    /// lie on it within 1e-9 m, though cuts leave slivers without a plane. Before, 1 of 65 at 1 m
+    /// lay 7 mm below it.
     #[test]
     fn receivers_beside_slivers_lie_on_the_surface() {
         let up = DVec3::new(0.0, -4.5, 3.15);

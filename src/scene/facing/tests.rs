@@ -440,8 +440,8 @@ fn crossed_outlines_are_put_in_order_or_named() {
 }
 
 /// A house with a gable that stands twice in one object, cut along other diagonals, has its areas
-/// once: roof 100, walls 240 m2. The order of its faces does not matter, and without one face of the
-/// second copy nothing is left out.
+/// once: roof 100, walls 240 m2. The order of its faces does not matter, and without one face of
+/// the second copy nothing is left out.
 #[test]
 fn a_house_with_other_diagonals_counts_once() {
     let text = include_str!("../../../tests/data/footprints/cases/same_house_other_diagonal.obj");

@@ -233,6 +233,7 @@ impl Town {
                 true => walls.partition_point(|wall| wall.side.footprint as usize == number),
                 false => 0,
             };
+            of.geometry.is_raised = true;
             let object = of.geometry.objects.id(&footprint.name);
             of.geometry.object_notes.insert(object, note_of(footprint, whole.as_ref()));
             let solid = Solid {

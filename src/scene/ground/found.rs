@@ -67,9 +67,9 @@ pub(crate) fn lies_free(
     free as f64 > FREE * all as f64
 }
 
-/// Returns true if ground covers a quarter of the open plan in and around the box of the triangles that
-/// stand, and its highest open point lies at most `DETACHED_M` below the lowest of them. Floors
-/// below roofs are not open. Without standing triangles the ground is the scene.
+/// Returns true if ground covers a quarter of the open plan in and around the box of the triangles
+/// that stand, and its highest open point lies at most `DETACHED_M` below the lowest of them.
+/// Floors below roofs are not open. Without standing triangles the ground is the scene.
 pub(crate) fn surrounds(
     ground: impl Iterator<Item = Corners> + Clone,
     standing: impl Iterator<Item = Corners> + Clone,

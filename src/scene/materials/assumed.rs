@@ -18,9 +18,9 @@ const OTHER: f64 = 0.2;
 /// Solar reflectance of open water for a high sun; water is no mirror here.
 const WATER: f64 = 0.07;
 /// Names of land cover with their reflectances: of paved ground (dark asphalt), grass and bare soil
-/// the effective albedos of SOLWEIG (Lindberg, Onomura and Grimmond 2016). Oke (1987, Boundary Layer
-/// Climates, Table 1.1) has asphalt 0.05 to 0.20, grass 0.16 to 0.26, soil 0.05 (dark, wet) to 0.40
-/// (light, dry), water below a high sun 0.03 to 0.10.
+/// the effective albedos of SOLWEIG (Lindberg, Onomura and Grimmond 2016). Oke (1987, Boundary
+/// Layer Climates, Table 1.1) has asphalt 0.05 to 0.20, grass 0.16 to 0.26, soil 0.05 (dark, wet)
+/// to 0.40 (light, dry), water below a high sun 0.03 to 0.10.
 const LAND: [(&str, f64); 4] = [("paved", 0.18), ("grass", 0.16), ("bare_soil", 0.25), ("water", WATER)];
 /// Solar reflectance of coated and clear double glazing at normal incidence; it is no mirror here.
 const WINDOW: f64 = 0.15;

@@ -13,8 +13,8 @@ pub(crate) const STRETCH: f64 = 0.01;
 /// Latitude south of which Antarctica begins, degrees (Antarctic Treaty, article VI).
 const ANTARCTIC_DEG: f64 = -60.0;
 
-/// Southernmost and northernmost latitudes of towns, degrees: Puerto Williams and Longyearbyen, with
-/// a degree of margin.
+/// Southernmost and northernmost latitudes of towns, degrees: Puerto Williams and Longyearbyen,
+/// with a degree of margin.
 const TOWNS_DEG: [f64; 2] = [-56.0, 79.0];
 
 /// Latitude and longitude, degrees.

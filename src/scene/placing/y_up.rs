@@ -1,9 +1,11 @@
-//! Geometry that lies on its side. In: triangles of a mesh whose file does not state an up axis, and
-//! the words of its header. Out: a sentence if y seems to point up.
+//! Geometry that lies on its side. In: triangles of a mesh whose file does not state an up axis,
+//! and the words of its header. Out: a sentence if y seems to point up.
 //!
 //! Sloping faces of what is built look up more than down: roofs, terrain, modules. Sloping walls
-//! look to all sides. So the sloping faces of a model with y up look towards y together, and towards
-//! z as much as against it.
+//! look to all sides. So the sloping faces of a model with y up look towards y together, and
+//! towards z as much as against it.
+
+use std::path::Path;
 
 use glam::DVec3;
 
@@ -44,11 +46,19 @@ impl HeaderUp {
     }
 }
 
-/// Returns why y seems to point up in a mesh; `None` if z may.
-pub(crate) fn sign_of_y_up(
+/// Returns a warning about a mesh in which y seems to point up.
+pub(crate) fn y_up_warning(
+    file: &Path,
     triangles: impl Iterator<Item = [DVec3; 3]> + Clone,
     header: Option<HeaderUp>,
-) -> Option<&'static str> {
+) -> Option<String> {
+    let sign = sign_of_y_up(triangles, header)?;
+    let advice = "but z is taken for up; if y points up, give {up} y; {up} z keeps it as it is";
+    Some(format!("{}: {sign}, {advice}", file.display()))
+}
+
+/// Returns why y seems to point up in a mesh; `None` if z may.
+fn sign_of_y_up(triangles: impl Iterator<Item = [DVec3; 3]> + Clone, header: Option<HeaderUp>) -> Option<&'static str> {
     if header == Some(HeaderUp::Y) {
         return Some("a comment of the file says that y points up");
     }

@@ -11,8 +11,8 @@ pub(super) const BUILDINGS: u16 = 2;
 
 /// Codes of UMEP's land cover (Lindberg et al. 2018, Environmental Modelling and Software 99, "UMEP
 /// Land Cover Reclassifier"), each with its material, whose name decides its reflectance. Ground
-/// below trees (3 evergreen, 4 deciduous) counts as grass, and ground of buildings that do not stand
-/// as paved.
+/// below trees (3 evergreen, 4 deciduous) counts as grass, and ground of buildings that do not
+/// stand as paved.
 const CLASSES: [(u16, &str); 7] =
     [(1, "paved"), (BUILDINGS, "paved"), (3, "grass"), (4, "grass"), (5, "grass"), (6, "bare_soil"), (7, "water")];
 

@@ -2,10 +2,10 @@
 //! numbers at a time. Out: positions, their coordinate system, and notes on what was decided.
 //!
 //! Latitude and longitude become metres of the scene's plane system, or of UTM. Latitude comes
-//! first, as in the EPSG register, unless that order cannot be meant (`axis_order`). In a plane system the first position of the file decides which number
-//! is the easting: the one order in which a metre of the system is about a metre on the ground
-//! there. Where both orders pass, a URN or address follows the register, and any other name means
-//! easting, northing.
+//! first, as in the EPSG register, unless that order cannot be meant (`axis_order`). In a plane
+//! system the first position of the file decides which number is the easting: the one order in
+//! which a metre of the system is about a metre on the ground there. Where both orders pass, a URN
+//! or address follows the register, and any other name means easting, northing.
 
 use glam::DVec3;
 
@@ -246,9 +246,10 @@ mod tests {
         assert!((feet.z - 3.048_006).abs() < 1e-6, "{feet}");
     }
 
-    /// Positions in the wrong order are read in the other one, with a warning: a latitude beyond 90,
-    /// degrees far from a German scene, Antarctica under a plain name. The plain name of a place that
-    /// may be meant gets a warning, a URN none. Positions are those of pyproj 3.7.2, within 0.1 m.
+    /// Positions in the wrong order are read in the other one, with a warning: a latitude beyond
+    /// 90, degrees far from a German scene, Antarctica under a plain name. The plain name of a
+    /// place that may be meant gets a warning, a URN none. Positions are those of pyproj 3.7.2,
+    /// within 0.1 m.
     #[test]
     fn degrees_in_an_impossible_order_are_swapped() {
         for (system, scene, numbers, expected, said) in [

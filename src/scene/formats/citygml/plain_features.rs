@@ -1,6 +1,6 @@
-//! Features of GML that are no city objects: answers of a WFS, INSPIRE buildings in 2D. In: a feature
-//! collection in which no city object has a surface. Out: its polygons as footprints, raised by the
-//! heights or storeys that properties state.
+//! Features of GML that are no city objects: answers of a WFS, INSPIRE buildings in 2D. In: a
+//! feature collection in which no city object has a surface. Out: its polygons as footprints,
+//! raised by the heights or storeys that properties state.
 //!
 //! Every property without elements inside is an attribute by its local name; `value` is named after
 //! the property around it (`heightAboveGround` of INSPIRE).

@@ -25,8 +25,8 @@ pub(in crate::formats) struct FeatureSystem {
     pub axes: Option<Axes>,
     /// Unit of plane coordinates, metres, if the file states it.
     pub unit_m: Option<f64>,
-    /// True if the file names a system in degrees whose register has latitude first, so that writers
-    /// disagree on the order.
+    /// True if the file names a system in degrees whose register has latitude first, so that
+    /// writers disagree on the order.
     pub is_order_open: bool,
     /// Sentences on the file that its reader has for the user.
     pub doubts: Vec<String>,
