@@ -109,7 +109,7 @@ mod tests {
             ("heliotile run a.obj --weather w.epw --sky perez1990", "this command has no --sky; "),
             ("heliotile buildings a.helio -w w.epw --sky=perez1990", "replay"),
             ("heliotile places a.helio -w w.epw --sky perez1990", "pv"),
-            ("heliotile pv a.obj --weather w.epw --snow depth", "replay"),
+            ("heliotile pv a.obj --weather w.epw --temperature ground=5", "replay"),
         ] {
             assert!(hint(line).is_some_and(|hint| hint.contains(part)), "{line}: {:?}", hint(line));
         }
