@@ -140,12 +140,13 @@ pub(super) fn read(file: &Path, asked: &Asked, take: &mut TakeFeature) -> Result
     for table in &stored {
         computed.extend(read_table(&database, table, take, &wrong)?);
     }
-    let list = |what: &str, names: Vec<String>| {
+    let list = |things: &str, names: Vec<String>| {
         let quoted = names.iter().map(|name| format!("`{}`", excerpt(name.as_bytes())));
-        (!names.is_empty()).then(|| with_list(&format!("{}: {} {what}", file.display(), names.len()), quoted))
+        (!names.is_empty())
+            .then(|| with_list(&format!("{things} are left out, because SQL of a file is not run"), quoted))
     };
-    let views = list("layers are views, whose SQL is not run, and are left out", unread);
-    let computed = list("columns are computed by SQL, which is not run, and are left out", computed);
+    let views = list("layers that are views", unread);
+    let computed = list("computed columns", computed);
     let doubts = chosen.said().into_iter().chain(views).chain(computed).collect();
     Ok(FeatureSystem { doubts, ..first.system.clone() })
 }
@@ -248,9 +249,12 @@ mod tests {
         (folder, path)
     }
 
+    /// Number of corners of a feature, and its attributes as JSON.
+    type Read = (usize, String);
+
     /// Reads a GeoPackage; returns the corners and attributes of its features, and what was not
     /// read.
-    fn read_all(path: &Path) -> Result<(Vec<(usize, String)>, Vec<String>)> {
+    fn read_all(path: &Path) -> Result<(Vec<Read>, Vec<String>)> {
         let mut found = Vec::new();
         let system = read(path, &Asked::default(), &mut |feature: Feature| {
             let corners = feature.polygons.iter().flatten().map(Vec::len).sum();
@@ -284,7 +288,7 @@ mod tests {
         let (_folder, path) = written(&table);
         let (found, unread) = read_all(&path).expect("a table");
         assert_eq!(found, [(5, "{\"fid\":1,\"height\":9.5}".to_owned())]);
-        assert!(unread.len() == 2 && unread[0].contains("1 layers are views") && unread[1].contains("`zeros`"));
+        assert!(unread.len() == 2 && unread[0].contains("layers that are views") && unread[1].contains("`zeros`"));
     }
 
     /// A database in WAL mode is read with 1 file in its folder before and after; one whose changes
