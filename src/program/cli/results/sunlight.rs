@@ -54,7 +54,7 @@ impl DayArgs {
             year: self.year,
             rules: self.rule.clone(),
             before: self.before.clone(),
-            zone: self.zone.clone(),
+            zone: self.zone,
             least_altitude_deg: self.least_altitude,
             exact: self.exact,
             ..SunlightRequest::default()
