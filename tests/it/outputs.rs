@@ -82,8 +82,8 @@ fn one_file_is_not_two() {
 
 /// A weather file named like an unfinished table keeps its bytes while the table is written, and a
 /// link there leads to a file that keeps its 4.
-#[cfg(unix)]
 #[test]
+#[cfg(unix)]
 fn files_beside_an_output_keep_their_bytes() {
     let folder = Folder::new();
     let archive = format!("{ROOT}/tests/data/archives/v1.6-box.helio");

@@ -105,7 +105,7 @@ pub(crate) fn stretch(epsg: u32, x: f64, y: f64) -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// Of eight positions, five are read in the other order: two with a latitude beyond 90, one far
+    /// Five of eight positions are read in the other order: two with a latitude beyond 90, one far
     /// from a scene in Germany, and two in Antarctica under names that do not fix the order.
     /// Antarctica under names that do, stations without a better place, and places that may be
     /// meant keep their order.
