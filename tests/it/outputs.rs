@@ -100,8 +100,8 @@ fn files_beside_an_output_keep_their_bytes() {
 }
 
 /// Where standard error cannot be written, a refusal still ends with exit code 2.
-#[cfg(target_os = "linux")]
 #[test]
+#[cfg(target_os = "linux")]
 fn a_full_standard_error_is_no_panic() {
     let folder = Folder::new();
     let full = fs::File::options().write(true).open("/dev/full").expect("a device");
