@@ -18,6 +18,7 @@ use std::io;
 use std::path::Path;
 
 use heliotile_core::error::Error;
+use heliotile_core::memory::MemoryBudget;
 use heliotile_core::units::Bytes;
 
 /// Returns the memory of this machine, bytes; `None` where no `/proc/meminfo` states it.
@@ -28,10 +29,10 @@ fn machine_memory() -> Option<u64> {
 }
 
 /// Fails with a sentence if a budget is more than the memory of this machine: lists are sized by
-/// their budget, and the system would end the program.
+/// their budget, and the system would end the program. The default is never refused.
 pub fn check_memory(budget: Bytes) -> Result<Bytes, String> {
     match machine_memory() {
-        Some(most) if budget.0 > most => {
+        Some(most) if budget.0 > most.max(MemoryBudget::DEFAULT.total()) => {
             Err(format!("this machine has {:.1} GiB: give at most that", most as f64 / f64::from(1 << 30)))
         }
         _ => Ok(budget),
@@ -53,10 +54,12 @@ pub fn number_of(payload: &[u8], folder: &Path) -> heliotile_core::error::Result
 mod tests {
     use super::*;
 
-    /// 64 MiB are fine on every machine, and 2^60 bytes on none that states its memory.
+    /// 64 MiB and the default are fine on every machine, and 2^60 bytes on none that states its
+    /// memory.
     #[test]
     fn more_memory_than_the_machine_has_is_refused() {
         assert_eq!(check_memory(Bytes(64 << 20)), Ok(Bytes(64 << 20)));
+        assert!(check_memory(Bytes(MemoryBudget::DEFAULT.total())).is_ok());
         assert_eq!(check_memory(Bytes(1 << 60)).is_err(), machine_memory().is_some());
         assert!(!cfg!(target_os = "linux") || machine_memory().is_some_and(|bytes| bytes > 64 << 20));
     }

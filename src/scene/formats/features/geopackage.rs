@@ -1,8 +1,8 @@
 //! In: a GeoPackage (OGC 12-128r19), which is an SQLite database. Out: the features of its feature
 //! tables. SQLite reads the file itself, without writing anything beside it.
 //!
-//! A database holds SQL of whoever wrote it. Only stored columns of real tables are read, which
-//! runs none of it; limits of length, memory and steps hold against damaged files.
+//! A database may hold SQL, which the file's author wrote. Only stored columns of real tables are
+//! read, which runs none of it; limits of length, memory and steps hold against damaged files.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
