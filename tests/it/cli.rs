@@ -142,10 +142,11 @@ fn info_of_weather_states_sums_of_months() {
     let line = |start: &str| said.lines().find(|line| line.starts_with(start)).map(str::split_whitespace);
     let cells = |start: &str, skip: usize| line(start).into_iter().flatten().skip(skip).collect::<Vec<_>>();
     assert_eq!(cells("  all ", 1), ["8760", "1619.948", "1866.531", "577.938"], "{said}");
-    assert_eq!(cells("  month 12 ", 2), ["744", "52.730", "72.060", "29.018"], "{said}");
+    assert_eq!(cells("  1996-12 ", 1), ["744", "52.730", "72.060", "29.018"], "{said}");
     folder.write("a.obj", "v 0 0 0\n");
     folder.refused("info --weather a.obj", &["a.obj: is a scene (OBJ), not weather"]);
     folder.refused(&format!("info {golden}"), &["is weather (EPW)", "heliotile info --weather"]);
+    folder.refused("info a.obj --time-zone 1", &["--weather"]);
 }
 
 /// `info` names all 7 layers, the counts and the 12 settings as `--set` takes them. `verify` finds

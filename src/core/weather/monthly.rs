@@ -42,11 +42,12 @@ impl Weather {
         WeatherSums::of(self.rows.iter(), self.interval_hours)
     }
 
-    /// Returns the sums of each month that has rows, by its number from 1 to 12.
-    pub fn monthly_sums(&self) -> Vec<(u32, WeatherSums)> {
-        let of_month = |month: u32| self.rows.iter().filter(move |row| row.interval.date.month == month);
-        let held = (1..=12).filter(|month| of_month(*month).next().is_some());
-        held.map(|month| (month, WeatherSums::of(of_month(month), self.interval_hours))).collect()
+    /// Returns the sums of each month that has rows, by its year and its number from 1 to 12, in the
+    /// order of the file.
+    pub fn monthly_sums(&self) -> Vec<((i32, u32), WeatherSums)> {
+        let month = |row: &WeatherRow| (row.interval.date.year, row.interval.date.month);
+        let months = self.rows.chunk_by(|row, next| month(row) == month(next));
+        months.map(|rows| (month(&rows[0]), WeatherSums::of(rows.iter(), self.interval_hours))).collect()
     }
 }
 
@@ -72,8 +73,8 @@ mod tests {
         };
         let weather = parse_weather_as(Path::new("w.csv"), text.as_bytes(), &place, &mut || Ok(None)).expect("weather");
         let months = weather.monthly_sums();
-        let dhi: Vec<(u32, f64)> = months.iter().map(|(month, sums)| (*month, sums.dhi_kwh_m2)).collect();
-        assert_eq!(dhi, [(5, 0.7), (6, 0.2)]);
+        let dhi: Vec<_> = months.iter().map(|(month, sums)| (*month, sums.dhi_kwh_m2)).collect();
+        assert_eq!(dhi, [((2021, 5), 0.7), ((2021, 6), 0.2)]);
         assert_eq!(months[0].1.ghi_kwh_m2, Some(0.9));
         assert_eq!((months[1].1.ghi_kwh_m2, weather.sums().ghi_kwh_m2), (None, None));
         assert_eq!((weather.sums().hours, months[1].1.hours), (5.0, 2.0));

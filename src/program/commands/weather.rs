@@ -39,8 +39,8 @@ pub fn info(path: &Path, clock: &ClockArgs, place: Option<(f64, f64)>) -> Result
         line!(out, "  rows        {rows} of {minutes} minutes, the first starts {from}, the last {to}");
     }
     line!(out, "  kWh/m2        hours        GHI        DNI        DHI");
-    for (month, sums) in weather.monthly_sums() {
-        line!(out, "  month {month:<4} {}", cells(&sums));
+    for ((year, month), sums) in weather.monthly_sums() {
+        line!(out, "  {year}-{month:02}    {}", cells(&sums));
     }
     line!(out, "  all        {}", cells(&weather.sums()));
     say(&out)?;

@@ -6,6 +6,8 @@
 
 mod ascii_grid;
 mod building;
+#[cfg(test)]
+mod case_files;
 mod citygml;
 mod cityjson;
 pub(crate) mod energyplus;

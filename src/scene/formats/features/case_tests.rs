@@ -3,10 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use crate::Scene;
-use crate::covering::surfaces::Surfaces;
 use crate::footprint_options::HeightAbove;
+use crate::formats::case_files::{self, areas_m2};
 use crate::load::Soup;
-use crate::semantics::SurfaceKind;
 use crate::site::{Part, Site};
 
 fn case(name: &str) -> PathBuf {
@@ -14,16 +13,7 @@ fn case(name: &str) -> PathBuf {
 }
 
 fn load(name: &str) -> Result<(Scene, Soup), String> {
-    let site = Site { parts: vec![Part::plain(&case(name), None)], ..Site::default() };
-    Scene::load_with_objects(&site).map_err(|error| error.to_string())
-}
-
-fn areas_m2(scene: &Scene, soup: &Soup) -> [f64; 2] {
-    let surfaces = Surfaces::find(soup, &scene.materials);
-    [SurfaceKind::Roof, SurfaceKind::Wall].map(|kind| {
-        let own = surfaces.list.iter().filter(|surface| surface.kind == kind);
-        own.map(|surface| surface.area_m2).sum()
-    })
+    case_files::load(&format!("footprints/cases/{name}"))
 }
 
 /// Fifteen files have the objects, roofs and walls (m2) of a sum by hand, within 0.6 %: shapes by
