@@ -68,7 +68,7 @@ const UNREAD: [(&[&str], &str, &str); 19] = [
     (
         &["fgb", "kml", "kmz", "gpx", "tab", "mif"],
         "a GIS file that GDAL reads",
-        "convert them: `ogr2ogr town.gpkg town.kml`, and give town.gpkg",
+        "convert them: `ogr2ogr town.gpkg FILE`, and give town.gpkg",
     ),
     (
         &["gdb", "mdb"],

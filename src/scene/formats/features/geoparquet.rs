@@ -179,6 +179,13 @@ fn value(field: &Field, depth: usize) -> Value {
                 row.get_column_iter().map(|(name, field)| (name.clone(), value(field, depth - 1))).collect();
             Value::Object(inner)
         }
+        Field::MapInternal(map) if depth > 0 => {
+            let entries = map.entries().iter().filter_map(|(name, inner)| match name {
+                Field::Str(name) => Some((name.clone(), value(inner, depth - 1))),
+                _ => None,
+            });
+            Value::Object(entries.collect())
+        }
         _ => Value::Null,
     }
 }

@@ -1,16 +1,27 @@
 //! Tags in one column. In: `"height"=>"12","roof:shape"=>"flat"`, as GDAL writes the tags of
-//! OpenStreetMap that have no column of their own (`other_tags`). Out: attributes.
+//! OpenStreetMap that have no column of their own (`other_tags`), or an object. Out: attributes.
 
 use serde_json::{Map, Value};
 
-/// Adds the tags in `other_tags` to the attributes. A tag that has a column of its own keeps the
-/// value of the column.
+/// Columns that hold tags: as GDAL names them, and as tables of OpenStreetMap for programs do.
+const COLUMNS: [&str; 2] = ["other_tags", "tags"];
+
+/// Adds the tags in these columns to the attributes, from a text or from an object. A tag that has a
+/// column of its own keeps the value of the column.
 pub(super) fn unfold(attributes: &mut Map<String, Value>) {
-    let Some(Value::String(text)) = attributes.get("other_tags").cloned() else { return };
-    let Some(tags) = tags(&text) else { return };
-    attributes.remove("other_tags");
-    for (name, value) in tags {
-        attributes.entry(name).or_insert(Value::String(value));
+    for column in COLUMNS {
+        let found: Map<String, Value> = match attributes.get(column) {
+            Some(Value::String(text)) => {
+                let Some(tags) = tags(text) else { continue };
+                tags.into_iter().map(|(name, value)| (name, Value::String(value))).collect()
+            }
+            Some(Value::Object(tags)) => tags.clone(),
+            _ => continue,
+        };
+        attributes.remove(column);
+        for (name, value) in found {
+            attributes.entry(name).or_insert(value);
+        }
     }
 }
 
@@ -47,14 +58,18 @@ mod tests {
     use super::*;
     use serde_json::json;
 
-    /// Three tags are read, and the one that has a column keeps the column's value; a text without
-    /// tags stays as it is.
+    /// Three tags are read, and the one that has a column keeps the column's value; an object of
+    /// tags is read too; a text without tags stays as it is.
     #[test]
     fn tags_become_attributes() {
         let mut map = json!({"name": "A", "other_tags": r#""height"=>"12","name"=>"B", "note"=>"a \"b\"""#});
         let map = map.as_object_mut().expect("an object");
         unfold(map);
         assert_eq!(Value::Object(map.clone()), json!({"name": "A", "height": "12", "note": "a \"b\""}));
+        let mut object = json!({"tags": {"building": "yes"}});
+        let object = object.as_object_mut().expect("an object");
+        unfold(object);
+        assert_eq!(Value::Object(object.clone()), json!({"building": "yes"}));
         let mut other = json!({"other_tags": "none"});
         let other = other.as_object_mut().expect("an object");
         unfold(other);

@@ -5,6 +5,7 @@
 //! shapes in the .shp says nothing. A row that is marked as deleted takes its shape with it.
 
 use std::io::Cursor;
+use std::ops::Range;
 use std::path::Path;
 
 use encoding_rs::{Encoding, UTF_8, WINDOWS_1252};
@@ -52,7 +53,7 @@ pub(super) fn read_parts(parts: &ShapefileParts, file: &Path, take: &mut TakeFea
     let mut table = match &parts.table {
         Some(table) => {
             let reader = dbase::ReaderBuilder::new().with_encoding(EncodingRs::from(encoding(parts)));
-            Some(reader.build(Cursor::new(table)).map_err(|error| wrong("table (.dbf)", &error))?)
+            Some(reader.build(Cursor::new(without_false_dates(table))).map_err(|error| wrong("table (.dbf)", &error))?)
         }
         None => None,
     };
@@ -93,6 +94,44 @@ fn word(table: &[u8], at: usize) -> usize {
 fn is_deleted(table: &[u8], row: usize) -> bool {
     let [header, length] = [8, 10].map(|at| word(table, at));
     length.checked_mul(row).and_then(|start| table.get(header.checked_add(start)?)) == Some(&b'*')
+}
+
+/// Returns the table with blanks, which state no date, in place of dates that are none. GDAL writes
+/// `00000000` for an absent date, and one such cell would refuse the whole table.
+fn without_false_dates(table: &[u8]) -> Vec<u8> {
+    let mut table = table.to_vec();
+    let [header, length] = [8, 10].map(|at| word(&table, at));
+    if length == 0 {
+        return table;
+    }
+    // A field is described by 32 bytes: its type at 11, its length at 16. A row starts with a mark.
+    let described = table.get(32..header.min(table.len())).unwrap_or_default();
+    let (mut at, mut dates) = (1, Vec::new());
+    for field in described.chunks_exact(32).take_while(|field| field[0] != b'\r') {
+        let end = at + usize::from(field[16]);
+        if field[11] == b'D' {
+            dates.push(at..end);
+        }
+        at = end;
+    }
+    for row in table.get_mut(header..).unwrap_or_default().chunks_mut(length) {
+        for date in &dates {
+            if let Some(cell) = row.get_mut(date.clone()).filter(|cell| !is_date(cell)) {
+                cell.fill(b' ');
+            }
+        }
+    }
+    table
+}
+
+/// Returns true if a cell is a date: YYYYMMDD.
+fn is_date(cell: &[u8]) -> bool {
+    let text = std::str::from_utf8(cell).ok().filter(|text| text.bytes().all(|byte| byte.is_ascii_digit()));
+    let number = |range: Range<usize>| text.and_then(|text| text.get(range)?.parse::<u32>().ok());
+    let (month, day) = (number(4..6), number(6..8));
+    cell.len() == 8
+        && month.is_some_and(|month| (1..=12).contains(&month))
+        && day.is_some_and(|day| (1..=31).contains(&day))
 }
 
 /// Returns the encoding of the texts of a table: that of the .cpg, else of the language driver in
