@@ -6,8 +6,7 @@
 //! program `heliotile`, the Python package and the page fill the same requests.
 //!
 //! ```no_run
-//! use heliotile::{ReplayRequest, Resources, SceneRequest};
-//! use heliotile::{Silent, SiteArchiveRequest, SiteRequest};
+//! use heliotile::{ReplayRequest, Resources, SceneRequest, Silent, Site, SiteArchiveRequest};
 //!
 //! fn main() -> heliotile::Result<()> {
 //!     // Files of the world: CityJSON, terrain, OBJ, glTF, EnergyPlus, Honeybee.
@@ -16,7 +15,7 @@
 //!     let archive = SiteArchiveRequest::of(scene, "out").build(&Silent)?;
 //!     // A year of weather; nothing is traced.
 //!     let year = ReplayRequest::of("rotterdam.epw");
-//!     for receiver in SiteRequest::of(archive).totals(&year, &Resources::usual())? {
+//!     for receiver in Site::open(archive)?.totals(&year, &Resources::usual())? {
 //!         println!("{}: {:.0} kWh/m2", receiver.id, receiver.kwh_m2);
 //!     }
 //!     Ok(())
@@ -41,7 +40,7 @@
 //! | [`heliotile_builder`] | tracing, writing, plans, the reference path tracer, parts and unions of archives |
 //! | [`heliotile_remote`] | places of files: paths, and addresses in object stores (feature `remote`) |
 //! | [`heliotile_results`] | requests and their results: tables, maps, pictures, models of other programs |
-//! | [`heliotile_atlas`] | regions in parts, and requests to an archive or an atlas at a place |
+//! | [`heliotile_atlas`] | regions in parts: planned, built, opened, checked |
 //!
 //! # What never happens
 //!
@@ -56,15 +55,16 @@
 #![deny(missing_docs)]
 
 pub mod book;
+mod site;
 
-pub use heliotile_atlas::{ReceiverTotal, SiteRequest};
 pub use heliotile_builder::planning::AccuracyRequest;
 pub use heliotile_builder::settings::Quality;
 pub use heliotile_core::error::{Error, Result};
 pub use heliotile_core::memory::MemoryBudget;
 pub use heliotile_core::observer::{Observer, Silent};
 pub use heliotile_results::outputs::periods::Every;
-pub use heliotile_results::{CompareRequest, Illumination, LightChoice, ReceiverChoice, Tile};
+pub use heliotile_results::{CompareRequest, Illumination, LightChoice, Provenance, ReceiverChoice, Tile};
 pub use heliotile_results::{CoverRequest, FileRequest, QueryRequest, ReplayRequest, Resources, SiteArchiveRequest};
 pub use heliotile_scene::request::SceneRequest;
+pub use site::{ReceiverTotal, Site, SiteOptions, SiteReplay};
 pub use {heliotile_atlas, heliotile_builder, heliotile_core, heliotile_remote, heliotile_results, heliotile_scene};

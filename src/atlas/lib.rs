@@ -10,7 +10,6 @@
 //! | [`part`] | an atlas, a part | its receivers and its archive |
 //! | [`opened`], [`listed`] | the place of an atlas | its plan, the state of its parts, their archives |
 //! | [`sources`] | the place of an archive or of an atlas, a box | the archives that results are computed from |
-//! | `site_request` | the place of an archive or of an atlas, requests | files of results |
 //! | `verify` | the place of an archive or of an atlas | the damaged blocks |
 //! | `export` | a receiver, or all of them | pictures and values of its layers; view factors |
 //! | [`catalogue`] | an atlas | a static STAC catalogue with pictures and a page |
@@ -36,7 +35,6 @@ pub mod partition;
 pub mod plan;
 pub mod seam_trial;
 pub mod seams;
-mod site_request;
 pub mod sources;
 pub mod state;
 mod thumbnails;
@@ -46,6 +44,5 @@ pub use export::{ExportRequest, SunPosition};
 pub use listed::{ListedPart, parts};
 pub use opened::Atlas;
 pub use plan::AtlasPlan;
-pub use site_request::{ReceiverTotal, SiteRequest};
 pub use state::PartState;
 pub use verify::{CheckedArchive, VerifyRequest};

@@ -33,7 +33,7 @@ use heliotile_core::weather::time::years::Years;
 
 /// Conditions with their labels, bins and changes.
 #[derive(Clone)]
-pub struct Series<'a> {
+pub struct Series {
     /// Suns and skies.
     pub conditions: Arc<Vec<Condition>>,
     /// Kind of the labels, which also decides the unit.
@@ -48,7 +48,7 @@ pub struct Series<'a> {
     pub called: String,
     /// File that the conditions come from, for messages.
     pub source: PathBuf,
-    reflectances: Reflectances<'a>,
+    reflectances: Reflectances,
     clock: Option<Clock>,
     /// Provenance of the inputs, without the labelling of rows.
     provenance: Provenance,
@@ -56,13 +56,13 @@ pub struct Series<'a> {
 
 /// Reflectances and transmittances over the conditions.
 #[derive(Clone)]
-enum Reflectances<'a> {
+enum Reflectances {
     /// Changes over conditions without dates.
     Undated(Changes),
     /// Changes over the chosen rows of weather.
-    Dated(Changes, &'a [WeatherRow], &'a [bool]),
+    Dated(Changes, Arc<[WeatherRow]>, Arc<[bool]>),
     /// Reflectance of all ground, one value a condition.
-    Ground(&'a [f64]),
+    Ground(Arc<[f64]>),
 }
 
 /// Clock that turns dates of conditions into labels.
@@ -80,7 +80,7 @@ impl Clock {
     }
 }
 
-impl<'a> Series<'a> {
+impl Series {
     /// Returns a series of the conditions of a table.
     pub fn of_conditions(conditions: Vec<Condition>, changes: Changes, provenance: Provenance) -> Self {
         let labels = RowLabels::words(conditions.iter().map(|condition| condition.label.clone()).collect());
@@ -100,10 +100,10 @@ impl<'a> Series<'a> {
 
     /// Returns a series in which all ground has the reflectance `ground[condition]`; `None`: the
     /// reflectances that the archive states.
-    pub fn over_ground(conditions: Vec<Condition>, ground: Option<&'a [f64]>) -> Self {
+    pub fn over_ground(conditions: Vec<Condition>, ground: Option<&[f64]>) -> Self {
         let series = Series::of_conditions(conditions, Changes::default(), Provenance::default());
         match ground {
-            Some(ground) => Series { reflectances: Reflectances::Ground(ground), ..series },
+            Some(ground) => Series { reflectances: Reflectances::Ground(ground.into()), ..series },
             None => series,
         }
     }
@@ -112,8 +112,8 @@ impl<'a> Series<'a> {
     /// longwave is requested.
     pub(super) fn of_weather(
         archive: &Archive,
-        weather: &'a Weather,
-        dated: &'a DatedRows,
+        weather: &Weather,
+        dated: &DatedRows,
         request: &ReplayRequest,
         provenance: Provenance,
         resources: &Resources,
@@ -148,7 +148,11 @@ impl<'a> Series<'a> {
             labels: RowLabels::words(Vec::new()),
             called: String::new(),
             source: request.weather.clone(),
-            reflectances: Reflectances::Dated(request.light.changes.clone(), &weather.rows, chosen),
+            reflectances: Reflectances::Dated(
+                request.light.changes.clone(),
+                weather.rows.as_slice().into(),
+                chosen.as_slice().into(),
+            ),
             clock: Some(clock),
             provenance: provenance.with_weather(&request.weather, weather).with_option("steps", steps),
         };
@@ -244,7 +248,7 @@ impl<'a> Series<'a> {
 impl QueryRequest {
     /// Returns the conditions of the table as a series. Warns of what is odd about them and the
     /// archives.
-    pub fn series(&self, archives: Archives, about: Provenance, resources: &Resources) -> Result<Series<'static>> {
+    pub fn series(&self, archives: Archives, about: Provenance, resources: &Resources) -> Result<Series> {
         let file = parse_conditions(&self.conditions, &(resources.files)(&self.conditions)?)?;
         let tell = |text: &String| resources.observer.warn(text);
         file.warnings.iter().for_each(tell);
@@ -266,14 +270,14 @@ impl QueryRequest {
 
 impl ReplayRequest {
     /// Returns the rows of weather that count as a series of conditions, with labels and changes.
-    pub fn series<'w>(
+    pub fn series(
         &self,
         archives: Archives,
-        weather: &'w Weather,
-        dated: &'w DatedRows,
+        weather: &Weather,
+        dated: &DatedRows,
         about: Provenance,
         resources: &Resources,
-    ) -> Result<Series<'w>> {
+    ) -> Result<Series> {
         let series = Series::of_weather(archives.first(), weather, dated, self, about, resources)?;
         Ok(series.called(called(&self.weather, dated)))
     }

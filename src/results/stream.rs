@@ -38,7 +38,7 @@ pub struct TileStream<'a> {
     /// Light that counts.
     pub light: &'a LightChoice,
     /// Suns and skies.
-    pub series: &'a Series<'a>,
+    pub series: &'a Series,
     /// Resources that the computation may use.
     pub resources: Resources<'a>,
 }
@@ -148,7 +148,7 @@ impl TileSink for CoarseSinks<'_> {
 impl<'a> TileStream<'a> {
     /// Returns the same receivers and light under another series, such as one of longer periods.
     #[must_use]
-    pub fn with_series<'b>(&self, series: &'b Series<'b>) -> TileStream<'b>
+    pub fn with_series<'b>(&self, series: &'b Series) -> TileStream<'b>
     where
         'a: 'b,
     {

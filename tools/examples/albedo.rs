@@ -5,8 +5,7 @@
 
 use std::path::Path;
 
-use heliotile::{FileRequest, QueryRequest, Resources, SiteRequest};
-use heliotile_results::{LightChoice, Provenance};
+use heliotile::{FileRequest, LightChoice, QueryRequest, Resources, Site};
 
 fn main() -> heliotile::Result<()> {
     let words: Vec<String> = std::env::args().skip(1).collect();
@@ -17,12 +16,13 @@ fn main() -> heliotile::Result<()> {
 }
 
 fn albedos(archive: &str, conditions: &str, folder: &Path) -> heliotile::Result<()> {
+    let site = Site::open(archive)?;
     for albedo in [0.2, 0.6] {
         let mut light = LightChoice::default();
         light.changes.constant.push(("ground".to_owned(), albedo));
         let request = QueryRequest { light, conditions: conditions.into() };
         let table = FileRequest::of(folder.join(format!("albedo-{albedo}.csv")));
-        SiteRequest::of(archive).query(&request, &table, Provenance::default(), &Resources::usual())?;
+        site.query(&request, &table, &Resources::usual())?;
     }
     Ok(())
 }

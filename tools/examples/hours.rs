@@ -3,7 +3,7 @@
 //!
 //! `cargo run --release --example hours -- SITE.helio WEATHER`
 
-use heliotile::{ReplayRequest, Resources, SiteRequest};
+use heliotile::{ReplayRequest, Resources, Site};
 use heliotile_core::replay::components::Component;
 
 fn main() -> heliotile::Result<()> {
@@ -19,7 +19,7 @@ fn main() -> heliotile::Result<()> {
 /// Calls `each` for each receiver with the number of its brightest hour and the irradiance then,
 /// W/m2.
 fn brightest(archive: &str, weather: &str, mut each: impl FnMut(&str, usize, f32)) -> heliotile::Result<()> {
-    SiteRequest::of(archive).each_tile(&ReplayRequest::of(weather), &Resources::usual(), |tile| {
+    Site::open(archive)?.each_tile(&ReplayRequest::of(weather), &Resources::usual(), |tile| {
         for (row, id) in tile.ids.iter().enumerate() {
             let hours = tile.values.row(Component::Total, row).iter().copied().enumerate();
             if let Some((hour, w_m2)) = hours.max_by(|a, b| a.1.total_cmp(&b.1)) {

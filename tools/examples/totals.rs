@@ -3,7 +3,7 @@
 //!
 //! `cargo run --release --example totals -- SCENE WEATHER FOLDER`
 
-use heliotile::{ReplayRequest, Resources, SceneRequest, Silent, SiteArchiveRequest, SiteRequest};
+use heliotile::{ReplayRequest, Resources, SceneRequest, Silent, Site, SiteArchiveRequest};
 
 fn main() -> heliotile::Result<()> {
     let words: Vec<String> = std::env::args().skip(1).collect();
@@ -15,7 +15,7 @@ fn main() -> heliotile::Result<()> {
 
 fn totals(scene: &str, weather: &str, folder: &str) -> heliotile::Result<()> {
     let archive = SiteArchiveRequest::of(SceneRequest::of([scene]), folder).build(&Silent)?;
-    for receiver in SiteRequest::of(archive).totals(&ReplayRequest::of(weather), &Resources::usual())? {
+    for receiver in Site::open(archive)?.totals(&ReplayRequest::of(weather), &Resources::usual())? {
         println!("{}: {:.1} kWh/m2", receiver.id, receiver.kwh_m2);
     }
     Ok(())

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 
 use clap::{ArgGroup, Args, Subcommand};
 
-use super::values::{Bytes, SelectionArgs, choice, parse_memory};
 use super::sites::clock_of;
+use super::values::{Bytes, SelectionArgs, choice, parse_memory};
 use super::{ClockArgs, FootprintArgs, MaterialsArgs, PlaceArgs, RasterArgs, SceneArgs};
 use heliotile_atlas::VerifyRequest;
 use heliotile_core::archive::Access;

@@ -6,9 +6,10 @@ use super::Outcome;
 use super::console::terminal::Terminal;
 use crate::cli::ComfortArgs;
 use crate::commands::console::voice::remark_aside;
-use heliotile_atlas::SiteRequest;
+use heliotile::{Site, SiteOptions};
 use heliotile_builder::spill::SystemTemp;
 use heliotile_core::error::Result;
+use heliotile_core::observer::Observer;
 use heliotile_core::text::counted;
 use heliotile_results::{Provenance, Resources};
 use heliotile_scene::input;
@@ -28,7 +29,9 @@ pub fn run(args: &ComfortArgs, about: Provenance) -> Result<Outcome> {
             site.build(Some(&request), &resources)?
         }
     };
-    let done = SiteRequest::of(place).comfort(&request, &files, about, &resources)?;
+    let site = Site::open_with(place, SiteOptions { memory, about, ..SiteOptions::default() })?;
+    site.note_of_north().iter().for_each(|note| terminal.note(note));
+    let done = site.comfort(&request, &files, &resources)?;
     // Standard output may hold the table, so the remark goes to standard error.
     remark_aside(&format!("{} in {}\n", counted(done.points, "point"), counted(done.hours, "hour")));
     Ok(Outcome::Fine)

@@ -18,7 +18,7 @@ use heliotile_scene::input;
 pub fn query(args: &QueryArgs, about: Provenance) -> Result<Outcome> {
     let table = &args.common.table;
     with_resources(&table.site, |resources| {
-        table.request().query(&args.request()?, &args.common.files(), about, resources)
+        table.open(about, resources.observer)?.query(&args.request()?, &args.common.files(), resources)
     })?;
     Ok(Outcome::Fine)
 }
@@ -32,7 +32,7 @@ pub fn replay(args: &ReplayArgs, about: Provenance) -> Result<Outcome> {
     }
     let table = &args.common.table;
     let done = with_resources(&table.site, |resources| {
-        table.request().replay(&args.request()?, &args.files(), about, resources)
+        table.open(about, resources.observer)?.replay(&args.request()?, &args.files(), resources)
     })?;
     done.map_or(Ok(()), |done| remark(&done))?;
     Ok(Outcome::Fine)
@@ -41,7 +41,9 @@ pub fn replay(args: &ReplayArgs, about: Provenance) -> Result<Outcome> {
 /// `heliotile compare`.
 pub fn compare(args: &CompareArgs, about: Provenance) -> Result<Outcome> {
     let (table, request, files) = (&args.common.table, args.request()?, args.common.files());
-    let done = with_resources(&table.site, |resources| table.request().compare(&request, &files, about, resources))?;
+    let done = with_resources(&table.site, |resources| {
+        table.open(about, resources.observer)?.compare(&request, &files, resources)
+    })?;
     let stdout = Path::new("-");
     let has_table = request.has_details(&files) && files.output == stdout && files.plots.is_empty();
     let is_taken = has_table || [&request.summary, &request.unmatched].into_iter().flatten().any(|to| to == stdout);
@@ -57,7 +59,7 @@ pub fn compare(args: &CompareArgs, about: Provenance) -> Result<Outcome> {
 pub fn buildings(args: &BuildingsArgs, about: Provenance) -> Result<Outcome> {
     let year = &args.year;
     let done = with_resources(&year.site, |resources| {
-        year.site.request().buildings(&year.request(), &args.request(), about, resources)
+        year.site.open(about, resources.observer)?.buildings(&year.request(), &args.request(), resources)
     })?;
     // Standard output may hold the table, so the remark goes to standard error.
     remark_aside(&format!("{} with {}\n", counted(done.buildings, "building"), counted(done.faces, "roof face")));
@@ -68,7 +70,7 @@ pub fn buildings(args: &BuildingsArgs, about: Provenance) -> Result<Outcome> {
 pub fn places(args: &PlacesArgs, about: Provenance) -> Result<Outcome> {
     let year = &args.year;
     let done = with_resources(&year.site, |resources| {
-        year.site.request().places(&year.request(), &args.request(), about, resources)
+        year.site.open(about, resources.observer)?.places(&year.request(), &args.request(), resources)
     })?;
     remark_aside(&format!("{} chosen among {}\n", counted(done.places, "place"), counted(done.receivers, "receiver")));
     Ok(Outcome::Fine)
@@ -77,7 +79,9 @@ pub fn places(args: &PlacesArgs, about: Provenance) -> Result<Outcome> {
 /// `heliotile factors`.
 pub fn factors(args: &FactorsArgs, about: Provenance) -> Result<Outcome> {
     let table = &args.table;
-    with_resources(&table.site, |resources| table.request().factors(&args.request(), about, resources))?;
+    with_resources(&table.site, |resources| {
+        table.open(about, resources.observer)?.factors(&args.request(), resources)
+    })?;
     Ok(Outcome::Fine)
 }
 

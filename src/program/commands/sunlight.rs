@@ -21,7 +21,9 @@ pub fn glare(args: &GlareArgs, about: Provenance) -> Result<Outcome> {
 }
 
 fn write(table: &TableArgs, request: &SunlightRequest, files: &FileRequest, about: Provenance) -> Result<Outcome> {
-    let done = with_resources(&table.site, |resources| table.request().sunlight(request, files, about, resources))?;
+    let done = with_resources(&table.site, |resources| {
+        table.open(about, resources.observer)?.sunlight(request, files, resources)
+    })?;
     // Standard output may hold the table, so the remark goes to standard error.
     remark_aside(&done.text());
     Ok(Outcome::Fine)

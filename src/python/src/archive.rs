@@ -3,7 +3,6 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -15,40 +14,27 @@ use crate::errors::raised;
 use crate::lazy::LazyReplay;
 use crate::memory::Block;
 use crate::results::{Frame, Gathered, Recombined};
-use crate::studies::{request, workspace_of};
+use crate::studies::{request, resources};
 use crate::table::columns_of;
 use crate::work;
 
+use heliotile::{FileRequest, ReceiverChoice, Site, SiteOptions, SiteReplay};
 use heliotile_atlas::opened::check_square;
-use heliotile_atlas::sources::{archives, open};
-use heliotile_builder::spill::SystemTemp;
-use heliotile_builder::transfer;
 use heliotile_builder::transfer::{Bounds, Selection};
-use heliotile_builder::writing::claim::OutputGuard;
-use heliotile_builder::writing::guards::{guard_archive, guard_output};
-use heliotile_core::archive::format;
-use heliotile_core::archive::{Access, Archive};
+use heliotile_core::archive::{Access, Archive, format};
 use heliotile_core::error::{Error, Result};
-use heliotile_core::memory::MemoryBudget;
 use heliotile_core::named::by_name;
-use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::factors::FACTORS;
-use heliotile_remote::places::open_archive;
 use heliotile_results::outputs::tables::rows::{Cell, Records};
 use heliotile_results::{
-    BeforeSide, BuildingsRequest, ComfortChoice, CompareRequest, FactorRows, FileRequest, PartReceivers, PlacesRequest,
-    Provenance, ReceiverChoice, ReceiverSet, Resources, Sources, SunlightRequest, SunlightSite, TileStream,
+    BuildingsRequest, ComfortChoice, CompareRequest, FactorRows, PartReceivers, PlacesRequest, SunlightRequest,
 };
-use heliotile_scene::input;
 
 /// An open archive, or open parts of an atlas, with the choice of which way is north. Several
 /// threads may read it at once.
 #[pyclass(frozen, module = "heliotile._heliotile")]
 pub struct ArchiveHandle {
-    sources: Arc<Sources>,
-    /// Path of the archive or of the atlas.
-    place: PathBuf,
-    grid_north: bool,
+    site: Site,
 }
 
 /// Name, diffuse and specular reflectance, transmittance, group, class.
@@ -150,8 +136,9 @@ impl ArchiveHandle {
     #[staticmethod]
     fn open(py: Python<'_>, place: PathBuf, access: &str, grid_north: bool) -> PyResult<Self> {
         let access: Access = by_name("access", access).map_err(|error| raised(py, error))?;
-        let archive = work::run(py, None, |_| open_archive(&place, access))?;
-        Ok(ArchiveHandle { sources: Arc::new(archive.into()), place, grid_north })
+        let receivers = ReceiverChoice { selection: None, grid_north };
+        let options = SiteOptions { access: Some(access), receivers, ..SiteOptions::default() };
+        work::run(py, None, |_| Ok(ArchiveHandle { site: Site::open_with(place, options)? }))
     }
 
     /// Opens the parts of an atlas that a box `xmin, ymin, xmax, ymax[, zmin, zmax]` touches, or
@@ -159,8 +146,12 @@ impl ArchiveHandle {
     #[staticmethod]
     #[pyo3(signature = (atlas, bbox=None, grid_north=false))]
     fn open_atlas(py: Python<'_>, atlas: PathBuf, bbox: Option<Vec<f64>>, grid_north: bool) -> PyResult<Self> {
-        let sources = work::run(py, None, |_| archives(&atlas, bbox.map(bounds_of).transpose()?, Access::default()))?;
-        Ok(ArchiveHandle { sources: Arc::new(sources), place: atlas, grid_north })
+        work::run(py, None, |_| {
+            let selection = bbox.map(bounds_of).transpose()?.map(Selection::Bounds);
+            let receivers = ReceiverChoice { selection, grid_north };
+            let site = Site::open_with(atlas, SiteOptions { receivers, ..SiteOptions::default() })?;
+            Ok(ArchiveHandle { site: site.select(None) })
+        })
     }
 
     /// Checks that the archive is that of the part with this name and square.
@@ -180,7 +171,8 @@ impl ArchiveHandle {
     #[pyo3(signature = (receivers, memory))]
     fn chosen(&self, py: Python<'_>, receivers: Wanted, memory: Memory) -> PyResult<Vec<Option<Vec<String>>>> {
         work::run(py, None, |_| {
-            let chosen = self.choose(Some(receivers), memory.0)?;
+            let site = self.chosen_site(Some(receivers))?;
+            let chosen = site.receivers(Path::new("-"), memory.0)?;
             let ids = |part: &PartReceivers| {
                 let all = part.count() == part.site.receivers();
                 (!all).then(|| part.rows::<()>().map(|row| Ok(row?.receiver.id)).collect()).transpose()
@@ -196,12 +188,12 @@ impl ArchiveHandle {
 
     #[getter]
     fn tiles(&self) -> u32 {
-        self.sources.borrowed().iter().map(Archive::tiles).sum()
+        self.site.archives().iter().map(Archive::tiles).sum()
     }
 
     #[getter]
     fn count(&self) -> u64 {
-        self.sources.borrowed().iter().map(|archive| archive.manifest().receivers.count).sum()
+        self.site.count()
     }
 
     /// Latitude, longitude and convergence of the grid, in degrees, and the EPSG number.
@@ -227,18 +219,7 @@ impl ArchiveHandle {
             let class = format!("{:?}", m.class).to_lowercase();
             (m.name.clone(), m.diffuse, m.specular, m.transmittance, m.group.clone(), class)
         };
-        work::run(py, None, |_| {
-            let mut rows: Vec<MaterialRow> = Vec::new();
-            for archive in self.sources.borrowed().iter() {
-                let site = OpenSite::of(archive)?;
-                for material in site.materials() {
-                    if rows.iter().all(|(known, ..)| *known != material.name) {
-                        rows.push(row(material));
-                    }
-                }
-            }
-            Ok(rows)
-        })
+        work::run(py, None, |_| Ok(self.site.materials()?.iter().map(row).collect()))
     }
 
     /// Returns columns of all or of some receivers, in the order of results.
@@ -249,7 +230,10 @@ impl ArchiveHandle {
         receivers: Option<Wanted>,
         memory: Memory,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let columns = work::run(py, None, |_| columns_of(self.choose(receivers, memory.0)?.rows()))?;
+        let columns = work::run(py, None, |_| {
+            let site = self.chosen_site(receivers)?;
+            columns_of(site.receivers(Path::new("-"), memory.0)?.rows())
+        })?;
         let table = PyDict::new(py);
         columns.into_iter().try_for_each(|(name, column)| table.set_item(name, column))?;
         Ok(table)
@@ -294,9 +278,10 @@ impl ArchiveHandle {
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Option<String>> {
         let files: FileRequest = request(files).map_err(|error| raised(py, error))?;
-        self.streamed(py, light, Forcing::of(&forcing)?, receivers, progress, |stream, asked| {
-            files.check(asked.light().chosen_columns().as_ref(), stream.series.every, &[&self.place])?;
-            files.write(stream, self.sources.borrowed(), &self.place)
+        let asked = Filled::new(light, Forcing::of(&forcing)?).map_err(|error| raised(py, error))?;
+        work::run(py, progress.as_ref(), |watch| {
+            let site = self.chosen_site(receivers)?;
+            asked.ask(&site, watch, |site, resources| site.write(&asked.request, &files, resources))
         })
     }
 
@@ -314,14 +299,11 @@ impl ArchiveHandle {
     ) -> PyResult<(String, String)> {
         let Comparison { after, files, summary, unmatched } =
             crate::studies::request(request).map_err(|error| raised(py, error))?;
-        let selection = receivers.as_ref().map(Wanted::selection).transpose().map_err(|error| raised(py, error))?;
-        let choice = ReceiverChoice { selection, grid_north: self.grid_north };
-        self.streamed(py, light, Forcing::of(&forcing)?, receivers, progress, |stream, asked| {
+        let asked = Filled::new(light, Forcing::of(&forcing)?).map_err(|error| raised(py, error))?;
+        work::run(py, progress.as_ref(), |watch| {
+            let site = self.chosen_site(receivers)?;
             let request = CompareRequest { after, under: asked.request.clone(), summary, unmatched };
-            request.check(&files, &[&self.place])?;
-            let (archives, folder) = (self.sources.borrowed(), std::env::temp_dir());
-            let before = BeforeSide { stream, archives, place: &self.place, choice: &choice, folder: &folder };
-            let done = request.write(&files, &before, &|place| open(place, Access::default()))?;
+            let done = asked.ask(&site, watch, |site, resources| site.compare(&request, &files, resources))?;
             Ok((json_of(&done.table()).to_string(), done.text()))
         })
     }
@@ -338,11 +320,11 @@ impl ArchiveHandle {
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<(u64, u64)> {
         let request: BuildingsRequest = request(files).map_err(|error| raised(py, error))?;
-        self.streamed(py, light, Forcing::Weather(Box::new(replay)), None, progress, |stream, _| {
-            request.check(&[&self.place])?;
-            let done = request.write(stream, self.sources.borrowed(), &self.place)?;
-            Ok((done.buildings, done.faces))
-        })
+        let (asked, year) = Filled::replay(light, replay).map_err(|error| raised(py, error))?;
+        let done = work::run(py, progress.as_ref(), |watch| {
+            asked.ask(&self.site, watch, |site, resources| site.buildings(&year, &request, resources))
+        })?;
+        Ok((done.buildings, done.faces))
     }
 
     /// Writes the best places for modules by sums over a year. Returns the numbers of places and of
@@ -357,11 +339,11 @@ impl ArchiveHandle {
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<(u64, u64)> {
         let request: PlacesRequest = request(files).map_err(|error| raised(py, error))?;
-        self.streamed(py, light, Forcing::Weather(Box::new(replay)), None, progress, |stream, _| {
-            request.check(&[&self.place])?;
-            let done = request.write(stream, self.sources.borrowed(), &self.place)?;
-            Ok((done.places, done.receivers))
-        })
+        let (asked, year) = Filled::replay(light, replay).map_err(|error| raised(py, error))?;
+        let done = work::run(py, progress.as_ref(), |watch| {
+            asked.ask(&self.site, watch, |site, resources| site.places(&year, &request, resources))
+        })?;
+        Ok((done.places, done.receivers))
     }
 
     /// Writes thermal comfort of people. Returns the numbers of points and of hours.
@@ -376,18 +358,10 @@ impl ArchiveHandle {
     ) -> PyResult<(u64, u64)> {
         let Comfort { choice, files } = request(asked).map_err(|error| raised(py, error))?;
         let (filled, request) = Filled::for_people(light, replay, choice).map_err(|error| raised(py, error))?;
-        work::run(py, progress.as_ref(), |watch| {
-            let inputs: Vec<&Path> = request.files().chain([self.place.as_path()]).collect();
-            request.check(&files, &inputs)?;
-            let _guard = OutputGuard::new(&inputs, &[])?;
-            let receivers = self.choose(None, filled.memory)?;
-            let archives = self.sources.borrowed();
-            filled.with_series(archives, &SystemTemp, watch, |series, resources| {
-                let stream = TileStream { receivers: &receivers, light: filled.light(), series, resources };
-                let done = request.write(&files, &stream, archives, &self.place)?;
-                Ok((done.points, done.hours))
-            })
-        })
+        let done = work::run(py, progress.as_ref(), |watch| {
+            filled.ask(&self.site, watch, |site, resources| site.comfort(&request, &files, resources))
+        })?;
+        Ok((done.points, done.hours))
     }
 
     /// Writes hours of possible sun and how rules rate them. Returns the results as JSON.
@@ -401,22 +375,8 @@ impl ArchiveHandle {
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<String> {
         let Sunlight { request, files } = crate::studies::request(asked).map_err(|error| raised(py, error))?;
-        let memory = memory.0;
         let done = work::run(py, progress.as_ref(), |watch| {
-            request.check(&files, &[&self.place])?;
-            let chosen = self.choose(receivers, memory)?;
-            let (storage, folder) = (SystemTemp, std::env::temp_dir());
-            let (archives, place) = (self.sources.borrowed(), self.place.as_path());
-            let site = SunlightSite { archives, receivers: &chosen, place, folder: &folder };
-            let resources = Resources { memory, storage: &storage, files: &input::read, observer: watch };
-            let Some(place) = &request.before else {
-                return request.write(&files, &site, None, Provenance::default(), &resources);
-            };
-            let sources = open(place, Access::default())?;
-            let choice = ReceiverChoice { selection: None, grid_north: self.grid_north };
-            let had = choice.of(sources.borrowed(), &folder, memory)?;
-            let before = SunlightSite { archives: sources.borrowed(), receivers: &had, place, folder: &folder };
-            request.write(&files, &site, Some(&before), Provenance::default(), &resources)
+            self.chosen_site(receivers)?.sunlight(&request, &files, &resources(memory, watch))
         })?;
         Ok(serde_json::json!(done).to_string())
     }
@@ -433,18 +393,7 @@ impl ArchiveHandle {
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<ArchiveHandle> {
         work::run(py, progress.as_ref(), |watch| {
-            let archives = self.sources.borrowed();
-            let Some(archive) = archives.only() else {
-                return Err(Error::argument(
-                    "archive",
-                    "is an atlas of several archives",
-                    "use its archives one by one: Atlas.archives()",
-                ));
-            };
-            guard_output(&output, &[&self.place])?;
-            guard_archive(&output)?;
-            let workspace = workspace_of(&output, memory);
-            transfer::extract(archive, &receivers.selection()?, with_scene, &output, &workspace, watch)?;
+            self.chosen_site(Some(receivers))?.extract(&output, with_scene, memory.0, watch)?;
             ArchiveHandle::of(&output)
         })
     }
@@ -453,20 +402,10 @@ impl ArchiveHandle {
     fn lazy(&self, py: Python<'_>, light: LightArgs, args: ReplayArgs, cache: usize) -> PyResult<LazyReplay> {
         let asked = Filled::new(light, Forcing::Weather(Box::new(args))).map_err(|error| raised(py, error))?;
         work::run(py, None, |watch| {
-            let storage = SystemTemp;
-            let archives = self.sources.borrowed();
-            if archives.only().is_none() {
-                return Err(Error::argument(
-                    "archive",
-                    "is an atlas of several archives",
-                    "use its archives one by one: Atlas.archives()",
-                ));
-            }
-            asked.with_series(archives, &storage, watch, |series, resources| {
-                let receivers = self.choose(None, asked.memory)?;
-                let stream = TileStream { receivers: &receivers, light: asked.light(), series, resources };
-                let frame = Frame::new(&stream, self.count() as usize, archives, &self.place);
-                LazyReplay::new(&self.sources, &stream, self.grid_north, frame, cache)
+            self.site.only()?;
+            asked.ask(&self.site, watch, |site, resources| {
+                let replay = site.under(&asked.request, Path::new("-"), resources)?;
+                LazyReplay::new(&self.site, &replay, Frame::new(&replay, self.site.count() as usize), cache)
             })
         })
     }
@@ -484,16 +423,10 @@ impl ArchiveHandle {
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<FactorColumns> {
         let by = by_name("by", by).map_err(|error| raised(py, error))?;
-        let memory = memory.0;
         let (names, grid, columns) = work::run(py, progress.as_ref(), |watch| {
-            let chosen = self.choose(receivers, memory)?;
-            let storage = SystemTemp;
-            let rows = FactorRows::new(
-                &chosen,
-                steps,
-                by,
-                &Resources { memory, storage: &storage, files: &input::read, observer: watch },
-            )?;
+            let site = self.chosen_site(receivers)?;
+            let chosen = site.receivers(Path::new("-"), memory.0)?;
+            let rows = FactorRows::new(&chosen, steps, by, &resources(memory, watch))?;
             let grid = *rows.grid();
             let (mut names, mut columns) = (Vec::new(), vec![Vec::new(); FACTORS.len()]);
             rows.each(watch, |name, factors| {
@@ -516,41 +449,18 @@ impl ArchiveHandle {
 impl ArchiveHandle {
     /// Returns the archive; of an atlas, the first one.
     pub fn archive(&self) -> &Archive {
-        self.sources.borrowed().first()
+        self.site.archives().first()
     }
 
     /// Opens an archive that was just written.
     pub fn of(path: &Path) -> Result<Self> {
-        let archive = open_archive(path, Access::default())?;
-        Ok(ArchiveHandle { sources: Arc::new(archive.into()), place: path.to_path_buf(), grid_north: false })
+        let options = SiteOptions { access: Some(Access::default()), ..SiteOptions::default() };
+        Ok(ArchiveHandle { site: Site::open_with(path, options)? })
     }
 
-    /// Returns the selected receivers of all archives.
-    fn choose(&self, receivers: Option<Wanted>, memory: MemoryBudget) -> Result<ReceiverSet<'_>> {
-        let selection = receivers.map(|wanted| wanted.selection()).transpose()?;
-        let choice = ReceiverChoice { selection, grid_north: self.grid_north };
-        choice.of(self.sources.borrowed(), &std::env::temp_dir(), memory)
-    }
-
-    /// Calls `then` with the tile stream of a request.
-    fn streamed<T: Send>(
-        &self,
-        py: Python<'_>,
-        light: LightArgs,
-        forcing: Forcing,
-        receivers: Option<Wanted>,
-        progress: Option<Bound<'_, PyAny>>,
-        then: impl FnOnce(&TileStream, &Filled) -> Result<T> + Send,
-    ) -> PyResult<T> {
-        let asked = Filled::new(light, forcing).map_err(|error| raised(py, error))?;
-        work::run(py, progress.as_ref(), |watch| {
-            let inputs: Vec<&Path> = asked.request.files().into_iter().chain([self.place.as_path()]).collect();
-            let _guard = OutputGuard::new(&inputs, &[])?;
-            let receivers = self.choose(receivers, asked.memory)?;
-            asked.with_series(self.sources.borrowed(), &SystemTemp, watch, |series, resources| {
-                then(&TileStream { receivers: &receivers, light: asked.light(), series, resources }, &asked)
-            })
-        })
+    /// Returns the site with the selected receivers.
+    fn chosen_site(&self, receivers: Option<Wanted>) -> Result<Site> {
+        Ok(self.site.select(receivers.map(|wanted| wanted.selection()).transpose()?))
     }
 
     fn recombine(
@@ -561,13 +471,18 @@ impl ArchiveHandle {
         receivers: Option<Wanted>,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Recombined> {
-        self.streamed(py, light, forcing, receivers, progress, |stream, _| {
-            let names = stream.receivers.names()?;
-            let frame = Frame::new(stream, names.len(), self.sources.borrowed(), &self.place);
-            let mut gathered = Gathered::new(&frame);
-            stream.feed(&mut gathered)?;
-            let columns = gathered.columns();
-            Ok(Recombined::new(frame, names, columns))
+        let asked = Filled::new(light, forcing).map_err(|error| raised(py, error))?;
+        work::run(py, progress.as_ref(), |watch| {
+            let site = self.chosen_site(receivers)?;
+            asked.ask(&site, watch, |site, resources| {
+                let replay: SiteReplay = site.under(&asked.request, Path::new("-"), resources)?;
+                let names = replay.receivers().names()?;
+                let frame = Frame::new(&replay, names.len());
+                let mut gathered = Gathered::new(&frame);
+                replay.stream().feed(&mut gathered)?;
+                let columns = gathered.columns();
+                Ok(Recombined::new(frame, names, columns))
+            })
         })
     }
 }

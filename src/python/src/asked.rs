@@ -10,11 +10,11 @@ use pyo3::pybacked::PyBackedBytes;
 use serde_json::{Map, Value};
 
 use crate::errors::wrong;
-use heliotile_builder::spill::check_memory;
+use heliotile::Site;
+use heliotile_builder::spill::{SystemTemp, check_memory};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::light::paths::LightPaths;
 use heliotile_core::light::radiosity::MaxBounces;
-use heliotile_core::light::scratch::ScratchSpace;
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::named::by_name;
 use heliotile_core::observer::Observer;
@@ -26,8 +26,8 @@ use heliotile_core::weather::span::Moment;
 use heliotile_core::weather::temperatures::Temperature;
 use heliotile_core::weather::time::clock_zone::ClockZone;
 use heliotile_results::{
-    Archives, BandChoice, BandList, ComfortChoice, ComfortRequest, Illumination, LightChoice, Provenance, QueryRequest,
-    ReplayRequest, Resources, Series, SkyChoice, SkyFiles,
+    BandChoice, BandList, ComfortChoice, ComfortRequest, Illumination, LightChoice, Provenance, QueryRequest,
+    ReplayRequest, Resources, SkyChoice, SkyFiles,
 };
 use heliotile_scene::input;
 
@@ -279,6 +279,17 @@ impl Filled {
         Ok(Filled::with(method, request, given, memory, options))
     }
 
+    /// Builds the replay of a year.
+    pub fn replay(light: LightArgs, replay: ReplayArgs) -> Result<(Self, ReplayRequest)> {
+        let filled = Filled::new(light, Forcing::Weather(Box::new(replay)))?;
+        let Illumination::Weather(year) = &filled.request else {
+            let hint = "give a weather file";
+            return Err(Error::argument("weather", "is a table of conditions", hint));
+        };
+        let year = year.as_ref().clone();
+        Ok((filled, year))
+    }
+
     /// Builds the comfort request and the replay that it needs.
     pub fn for_people(light: LightArgs, replay: ReplayArgs, choice: ComfortChoice) -> Result<(Self, ComfortRequest)> {
         let (memory, mut given) = (light.memory(), Given::default());
@@ -303,33 +314,18 @@ impl Filled {
         Filled { method, request, given, memory, options }
     }
 
-    /// Returns the choice of light.
-    pub fn light(&self) -> &LightChoice {
-        self.request.light()
-    }
-
-    /// Calls `then` with the labelled conditions for the open archives and the resources. Warns of
-    /// weather that does not fit the site.
-    pub fn with_series<T>(
+    /// Calls `then` with the site, whose results state the options, and the resources.
+    pub fn ask<T>(
         &self,
-        archives: Archives,
-        storage: &dyn ScratchSpace,
+        site: &Site,
         observer: &dyn Observer,
-        then: impl FnOnce(&Series, Resources) -> Result<T>,
+        then: impl FnOnce(&Site, &Resources) -> Result<T>,
     ) -> Result<T> {
         let files = |path: &Path| self.given.0.get(path).map_or_else(|| input::read(path), |bytes| Ok(bytes.to_vec()));
-        let resources = Resources { memory: self.memory, storage, files: &files, observer };
-        let class = if archives.only().is_some() { "Archive" } else { "Atlas" };
+        let resources = Resources { memory: self.memory, storage: &SystemTemp, files: &files, observer };
+        let class = if site.archives().only().is_some() { "Archive" } else { "Atlas" };
         let about = Provenance::new(format!("heliotile.{class}.{}", self.method), self.options.clone());
-        match &self.request {
-            Illumination::Conditions(request) => then(&request.series(archives, about, &resources)?, resources),
-            Illumination::Weather(request) => {
-                let weather = request.read_weather(&resources, &mut || Ok(archives.manifest().place))?;
-                let dated = request.dated(&weather, observer)?;
-                request.tell_misfits(archives, &weather, observer)?;
-                then(&request.series(archives, &weather, &dated, about, &resources)?, resources)
-            }
-        }
+        then(&site.stating(about), &resources)
     }
 }
 

@@ -12,18 +12,18 @@ use self_cell::self_cell;
 use crate::memory::Block;
 use crate::results::{Frame, FrameHandle, no_column};
 use crate::work;
+use heliotile::{Site, SiteReplay};
 use heliotile_core::archive::format;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::observer::Observer;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::ComponentSet;
 use heliotile_core::replay::run::Replay;
-use heliotile_results::{Sources, TileStream};
 
 self_cell!(
     /// A replay with the archive that it reads.
     struct Held {
-        owner: Arc<Sources>,
+        owner: Site,
         #[not_covariant]
         dependent: Replay,
     }
@@ -49,24 +49,19 @@ pub struct LazyReplay {
 impl LazyReplay {
     /// Returns a replay of all receivers of the first open archive that keeps up to `cache` bytes
     /// of tiles.
-    pub fn new(
-        sources: &Arc<Sources>,
-        stream: &TileStream,
-        grid_north: bool,
-        frame: Frame,
-        cache: usize,
-    ) -> Result<Self> {
+    pub fn new(owner: &Site, replay: &SiteReplay, frame: Frame, cache: usize) -> Result<Self> {
+        let stream = replay.stream();
         let mut starts = vec![0];
         let mut count = 0;
-        for entry in sources.borrowed().first().entries_of(format::RECEIVERS) {
+        for entry in owner.archives().first().entries_of(format::RECEIVERS) {
             count += entry.items as usize;
             starts.push(count);
         }
         let components = ComponentSet::of(frame.components());
-        let held = Held::try_new(Arc::clone(sources), |sources| {
-            let archive = sources.borrowed().first();
+        let held = Held::try_new(owner.clone(), |owner| {
+            let archive = owner.archives().first();
             let site = OpenSite::of(archive)?;
-            let site = if grid_north { site.with_y_for_north() } else { site };
+            let site = if owner.has_grid_north() { site.with_y_for_north() } else { site };
             stream.replay_of(archive, &site, components)
         })?;
         let tile_bytes = 4 * 64 * frame.labels.len().max(1) * frame.components().len().max(1);

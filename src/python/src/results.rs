@@ -2,7 +2,6 @@
 //! `[receiver][label]`, which NumPy and Arrow share; columns by pvlib's names.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 use std::sync::Arc;
 
 use arrow_array::ffi_stream::FFI_ArrowArrayStream;
@@ -16,11 +15,10 @@ use pyo3::types::PyCapsule;
 use crate::errors::raised;
 use crate::memory::Block;
 use crate::work;
+use heliotile::SiteReplay;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::{Component, ComponentList, ComponentSet};
-use heliotile_results::{
-    Archives, ArrowRows, By, Layout, ONE_SIDE, Provenance, RowLabels, SideHours, Tile, TileSink, TileStream,
-};
+use heliotile_results::{ArrowRows, By, Layout, ONE_SIDE, Provenance, RowLabels, SideHours, Tile, TileSink};
 
 /// Smallest number of rows of a record batch, but for the last.
 const BATCH_ROWS: usize = 1 << 20;
@@ -35,9 +33,9 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// Describes the results of a stream of `receivers` receivers of the archives at `place`.
-    pub fn new(stream: &TileStream, receivers: usize, archives: Archives, place: &Path) -> Self {
-        let (about, components) = (stream.about(archives, place), stream.light.columns());
+    /// Describes the results of a replay of `receivers` receivers.
+    pub fn new(replay: &SiteReplay, receivers: usize) -> Self {
+        let (about, components, stream) = (replay.provenance(), replay.columns(), replay.stream());
         let layout = Layout::of_components(stream.series.kind, By::Receiver, &components);
         Frame { receivers, labels: stream.series.labels.clone(), components, layout, about }
     }

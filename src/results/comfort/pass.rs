@@ -48,7 +48,7 @@ struct PointPass<'a> {
     columns: &'a ComfortColumns,
     asked: &'a [ComfortColumn],
     model: &'a ComfortModel,
-    rows: &'a Series<'a>,
+    rows: &'a Series,
     is_hourly: bool,
     place: &'a Path,
 }

@@ -17,6 +17,7 @@ use std::path::{Path, PathBuf};
 use super::buildings::check_table;
 use super::files::FileRequest;
 use super::request::{LightChoice, QueryRequest, ReplayRequest};
+use crate::outputs::periods::Every;
 use heliotile_builder::writing::claim::same_place;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::{Component, ComponentList};
@@ -55,6 +56,14 @@ impl Illumination {
         match self {
             Illumination::Weather(request) => &request.light,
             Illumination::Conditions(request) => &request.light,
+        }
+    }
+
+    /// Returns the period of a row; `None` under conditions.
+    pub fn every(&self) -> Option<Every> {
+        match self {
+            Illumination::Weather(request) => Some(request.every),
+            Illumination::Conditions(_) => None,
         }
     }
 

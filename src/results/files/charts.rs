@@ -109,7 +109,7 @@ pub fn check(plots: &[PathBuf], inputs: &[&Path], every: Option<Every>) -> Resul
 pub struct AreaChart<'a> {
     path: &'a Path,
     plot: Plot,
-    series: &'a Series<'a>,
+    series: &'a Series,
     components: ComponentList,
     means: AreaMeans,
     /// Means after; only in a comparison.

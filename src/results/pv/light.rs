@@ -33,7 +33,7 @@ pub struct Light<'a> {
     resources: Resources<'a>,
     /// Hours for the last number of sun positions in each. They are kept, as computing the sun
     /// costs more than computing the light.
-    kept: RefCell<Option<(usize, Rc<Series<'a>>)>>,
+    kept: RefCell<Option<(usize, Rc<Series>)>>,
 }
 
 /// Returns the replay of a study.
@@ -164,7 +164,7 @@ impl<'a> Light<'a> {
     }
 
     /// Returns the suns and skies of the rows that count.
-    fn hours(&self, archive: &Archive) -> Result<Rc<Series<'a>>> {
+    fn hours(&self, archive: &Archive) -> Result<Rc<Series>> {
         let steps = self.steps(archive);
         let mut kept = self.kept.borrow_mut();
         if let Some((_, series)) = kept.as_ref().filter(|(of, _)| *of == steps) {

@@ -7,7 +7,7 @@ use clap::Args;
 use super::recombine::{ChangeArgs, PeriodArgs, SkyArgs};
 use crate::cli::values::{Bytes, choice, parse_memory, table_help};
 use crate::cli::{AccuracyArgs, ClockArgs, Metres, SceneArgs};
-use heliotile_atlas::SiteRequest;
+use heliotile::Site;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::weather::temperatures::Temperature;
 use heliotile_results::run::folder_beside;
@@ -126,7 +126,7 @@ impl ComfortArgs {
     /// Returns the archive or atlas of people, if one is named.
     pub fn place(&self) -> Option<&PathBuf> {
         let [only] = self.scene.scene.as_slice() else { return None };
-        SiteRequest::is_at(only).then_some(only)
+        Site::is_at(only).then_some(only)
     }
 
     /// Refuses positions of people if an archive holds them already.

@@ -7,11 +7,13 @@ use clap::{ArgGroup, Args};
 
 use crate::cli::WeatherArgs;
 use crate::cli::values::{Bytes, SelectionArgs, choice, parse_depth, parse_memory, table_help};
-use heliotile_atlas::SiteRequest;
+use heliotile::{Site, SiteOptions};
+use heliotile_builder::transfer::Selection;
 use heliotile_core::archive::Access;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::light::paths::LightPaths;
 use heliotile_core::light::radiosity::MaxBounces;
+use heliotile_core::observer::Observer;
 use heliotile_core::replay::components::ComponentList;
 use heliotile_core::replay::reflectances::{Changes, ConstantOrFile, Snow, followed_files};
 use heliotile_core::sky::model::SkyModel;
@@ -23,8 +25,8 @@ use heliotile_results::outputs::periods::Every;
 use heliotile_results::outputs::shapes::writer::MapFormat;
 use heliotile_results::outputs::tables::layout::By;
 use heliotile_results::{
-    BandChoice, BandList, CompareRequest, FactorsRequest, FileRequest, Illumination, LightChoice, QueryRequest,
-    ReceiverChoice, ReplayRequest, SkyChoice, SkyFiles,
+    BandChoice, BandList, CompareRequest, FactorsRequest, FileRequest, Illumination, LightChoice, Provenance,
+    QueryRequest, ReceiverChoice, ReplayRequest, SkyChoice, SkyFiles,
 };
 use heliotile_scene::input;
 
@@ -69,22 +71,24 @@ pub struct TableArgs {
 }
 
 impl SiteArgs {
-    /// Returns the request for all receivers of the archive.
-    pub fn request(&self) -> SiteRequest {
-        SiteRequest {
-            access: self.io,
-            receivers: ReceiverChoice { selection: None, grid_north: self.grid_north },
-            ..SiteRequest::of(&self.archive)
-        }
+    /// Opens the archive with all of its receivers; results state `about`.
+    pub fn open(&self, about: Provenance, observer: &dyn Observer) -> Result<Site> {
+        self.open_for(None, about, observer)
+    }
+
+    fn open_for(&self, selection: Option<Selection>, about: Provenance, observer: &dyn Observer) -> Result<Site> {
+        let receivers = ReceiverChoice { selection, grid_north: self.grid_north };
+        let options = SiteOptions { access: self.io, memory: self.memory.into(), receivers, about };
+        let site = Site::open_with(&self.archive, options)?;
+        site.note_of_north().iter().for_each(|note| observer.note(note));
+        Ok(site)
     }
 }
 
 impl TableArgs {
-    /// Returns the request for the chosen receivers of the archive.
-    pub fn request(&self) -> SiteRequest {
-        let site = self.site.request();
-        let selection = self.of.selection();
-        SiteRequest { receivers: ReceiverChoice { selection, ..site.receivers }, ..site }
+    /// Opens the archive with the chosen receivers; results state `about`.
+    pub fn open(&self, about: Provenance, observer: &dyn Observer) -> Result<Site> {
+        self.site.open_for(self.of.selection(), about, observer)
     }
 
     /// Returns the table as the only output file.
