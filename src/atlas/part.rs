@@ -12,7 +12,6 @@ use std::time::Duration;
 use crate::opened::Atlas;
 use crate::plan::{FILE, PlannedPart, is_atlas};
 use crate::state::{ARCHIVE, FOLDER, NOTHING};
-use heliotile_builder::settings::EffectChoice;
 use heliotile_builder::trace::placement::Placement;
 use heliotile_builder::writing::file_lock::FileLock;
 use heliotile_core::error::{Error, Result};
@@ -21,16 +20,13 @@ use heliotile_core::observer::Observer;
 use heliotile_remote::naming::{is_address, shown};
 use heliotile_results::covering::cover_site;
 use heliotile_results::outputs::sink::write_texts;
-use heliotile_results::site_archive::{TraceRequest, WaysOut, build_or_reuse};
+use heliotile_results::site_build::{FolderOption, SiteBuild, SiteFolder};
 
 /// Lock file in the folder of a part, held by the process that builds the part.
 const LOCK: &str = ".lock";
 
 /// Interval between two attempts to take the lock.
 const LOOK_EVERY: Duration = Duration::from_millis(200);
-
-/// Hint for a part that was built from other inputs.
-const FRESH: &str = "{fresh} builds the part again from the present inputs; other built parts keep the old inputs";
 
 /// Parts to build.
 #[derive(Clone, Copy, Debug)]
@@ -164,22 +160,22 @@ impl PartBuild<'_> {
             return Ok(());
         }
         let before = self.before_part()?;
-        let traced = TraceRequest {
-            folder,
-            receivers: &folder.join("receivers.csv"),
-            archive: &folder.join(ARCHIVE),
-            accuracy: &plan.cut.accuracy,
-            effects: EffectChoice::Auto,
+        let receivers = folder.join("receivers.csv");
+        let build = SiteBuild {
             with_scene: !plan.cut.no_scene,
-            offset_m: plan.cut.cover.offset_m,
-            replace: request.fresh,
-            ways_out: WaysOut { results: FRESH, started: FRESH },
-            memory: request.memory,
-            under: None,
             from: before.as_deref(),
+            memory: request.memory,
+            ..SiteBuild::new(&scene, &receivers, &plan.cut.accuracy)
+        };
+        let within = SiteFolder {
+            folder,
+            archive: &folder.join(ARCHIVE),
+            placed: Some((&covered, plan.cut.cover.offset_m)),
+            replace: request.fresh,
+            named_by: FolderOption::Part,
         };
         observer.report(&format!("{}: {files} of {} files near it\n", part.name, plan.files.len()));
-        build_or_reuse(&traced, &scene, Some(&covered), observer)?;
+        build.ensure(&within, observer)?;
         observer.stop_if_cancelled("after a part was complete")
     }
 }

@@ -16,7 +16,7 @@
 //! | `buildings`, `places`, `factors` | cadastre, places of modules, factors by sun position |
 //! | `checks` | [`AuditRequest`]: accuracy of an archive; [`RepairRequest`]: repair of an archive |
 //! | [`covering`] | receivers on a scene's surfaces, and the table of these receivers |
-//! | [`site_archive`] | archive of a scene's receivers in a folder, existing or new |
+//! | [`site_build`] | archive of a scene's receivers: planned, built, or kept in a folder |
 //! | [`pv`] | light on solar modules, and their best orientation |
 //! | [`run`] | from scene files to a folder of a year's results in one go |
 //! | `sky_components` | light of an overcast sky in percent of open ground |
@@ -55,7 +55,7 @@ mod request;
 mod resources;
 pub mod run;
 mod series;
-pub mod site_archive;
+pub mod site_build;
 mod sky_components;
 mod stream;
 mod sunlight;
@@ -90,7 +90,7 @@ pub use request::{LightChoice, QueryRequest, ReplayRequest};
 pub use resources::Resources;
 pub use run::{RunDone, RunMap, RunRequest};
 pub use series::Series;
-pub use site_archive::SiteArchiveRequest;
+pub use site_build::{FolderOption, SiteArchiveRequest, SiteBuild, SiteFolder};
 pub use sky_components::SkyComponents;
 pub use stream::{CoarseSinks, Sinks, Tile, TileFn, TileSink, TileStream};
 pub use sunlight::{

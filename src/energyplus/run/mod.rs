@@ -32,7 +32,7 @@ use heliotile_results::Resources;
 use heliotile_results::covering::cover_site;
 use heliotile_results::covering::{CoverRequest, Density, PlacedReceivers};
 use heliotile_results::outputs::sink::{write_file, write_texts};
-use heliotile_results::site_archive::{KEEP_OR_REPLACE, TraceRequest, WaysOut, build_or_reuse};
+use heliotile_results::site_build::{FolderOption, KEEP_OR_REPLACE, SiteBuild, SiteFolder};
 use heliotile_scene::Scene;
 use heliotile_scene::input;
 use heliotile_scene::request::SceneRequest;
@@ -319,21 +319,17 @@ fn traced(
     archive: &Path,
     effects: EffectChoice,
 ) -> Result<Archive> {
-    let asked = TraceRequest {
+    let accuracy = &task.request.accuracy;
+    let memory = task.resources.memory;
+    let build = SiteBuild { effects, memory, ..SiteBuild::new(scene, receivers, accuracy) };
+    let folder = SiteFolder {
         folder: &task.request.folder,
-        receivers,
         archive,
-        accuracy: &task.request.accuracy,
-        effects,
-        offset_m: OFFSET_M,
+        placed: Some((covered, OFFSET_M)),
         replace: task.request.replace,
-        ways_out: WaysOut::USUAL,
-        memory: task.resources.memory,
-        under: None,
-        with_scene: true,
-        from: None,
+        named_by: FolderOption::Output,
     };
-    let found = build_or_reuse(&asked, scene, Some(covered), task.resources.observer)?;
+    let found = build.ensure(&folder, task.resources.observer)?;
     let name = archive.file_name().unwrap_or_default().to_string_lossy();
     task.resources.observer.stop_if_cancelled(&format!("after {name} was complete"))?;
     Ok(found)

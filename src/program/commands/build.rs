@@ -4,22 +4,18 @@ use std::path::Path;
 use std::time::Duration;
 
 use super::console::terminal::Terminal;
-use super::{Outcome, load_scene, say, workspace, workspace_beside};
+use super::{Outcome, load_scene, say};
 use crate::cli::{BuildArgs, ClockArgs, Percent, PlanArgs};
 use heliotile_atlas::part::{PartRequest, build_parts};
 use heliotile_atlas::plan::FILE;
 use heliotile_builder::accuracy::conditions::ErrorConditions;
-use heliotile_builder::pipeline::{Build, Output, PreparedScene, Start};
-use heliotile_builder::planning::{BuildRequest, EffectsUnder, tables};
-use heliotile_builder::settings::Share;
-use heliotile_builder::store::Folder;
-use heliotile_builder::writing::guards::{guard_archive, guard_site};
-use heliotile_core::archive::{Access, Archive};
+use heliotile_builder::pipeline::{Output, Start};
+use heliotile_builder::planning::{EffectsUnder, tables};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::observer::Observer;
 use heliotile_core::text::counted;
-use heliotile_remote::places::open_archive;
-use heliotile_results::horizon::black_below_horizon;
+use heliotile_results::SiteBuild;
+use heliotile_results::site_build::check_output;
 use heliotile_scene::Scene;
 
 /// `heliotile build`.
@@ -67,61 +63,47 @@ fn build(args: &BuildArgs, receivers: &Path, output: &Path) -> Result<Outcome> {
     let inputs =
         [Some(receivers), args.accuracy.error_weather.as_deref(), args.weather.as_deref(), args.from.as_deref()];
     // Outputs are checked before minutes of tracing.
-    guard_site(output, &args.scene.site()?, &inputs)?;
-    guard_archive(output)?;
-    let before = args.from.as_deref().map(|from| open_archive(from, Access::Read)).transpose()?;
-    let scene = load_scene(&args.scene)?;
-    let (workspace, terminal) = (workspace_beside(output, args.memory), Terminal::watching());
-    let mut receivers = workspace.read_receivers(receivers, &scene, &terminal)?;
+    check_output(output, &args.scene.site()?, &inputs)?;
+    let (scene, terminal) = (load_scene(&args.scene)?, Terminal::watching());
     let weighed_under = weighed_under(args.weather.as_deref(), &args.about_weather, &scene, &terminal)?;
-    let request = BuildRequest {
-        accuracy: &args.accuracy.request_beside(args.weather.as_deref(), &args.about_weather),
-        share: args.share,
-        under: effects_under(weighed_under.as_ref(), args.negligible),
-        effects: args.effects,
-        with_scene: !args.no_scene,
-        store: args.store.as_deref().map(Folder::create).transpose()?,
-        from: before.as_ref(),
-        preview_percent: args.preview.map(|Percent(percent)| percent),
-    };
     let output = Output {
         path: output.to_owned(),
         start: if args.fresh { Start::Fresh } else { Start::Resume },
         checkpoint_every: Duration::from_secs(u64::from(args.checkpoint)),
     };
-    let prepared = PreparedScene::new(&scene)?;
-    let build = Build { scene: &prepared, receivers: &mut receivers, workspace: &workspace, observer: &terminal };
-    build.plan_and_write(&request, &output).map_err(|error| error.advise(OTHER_INPUTS))?;
-    black_below_horizon(&Archive::open_with(&output.path, Access::Read)?)?.iter().for_each(|lost| terminal.warn(lost));
+    let accuracy = args.accuracy.request_beside(args.weather.as_deref(), &args.about_weather);
+    let build = SiteBuild {
+        share: args.share,
+        under: effects_under(weighed_under.as_ref(), args.negligible),
+        effects: args.effects,
+        with_scene: !args.no_scene,
+        store: args.store.as_deref(),
+        from: args.from.as_deref(),
+        preview_percent: args.preview.map(|Percent(percent)| percent),
+        memory: args.memory.into(),
+        ..SiteBuild::new(&scene, receivers, &accuracy)
+    };
+    build.build(&output, &terminal)?;
     Ok(Outcome::Fine)
 }
-
-/// Hint for an interrupted build of other inputs.
-const OTHER_INPUTS: &str =
-    "give the inputs that the build was started with to resume it, --fresh to discard it, or another name with -o";
 
 /// `heliotile plan`.
 pub fn plan(args: &PlanArgs) -> Result<Outcome> {
     let scene = load_scene(&args.scene)?;
-    let (workspace, terminal) = (workspace(std::env::temp_dir(), args.memory), Terminal::default());
-    let mut receivers = workspace.read_receivers(&args.receivers, &scene, &terminal)?;
-    let prepared = PreparedScene::new(&scene)?;
-    let mut build = Build { scene: &prepared, receivers: &mut receivers, workspace: &workspace, observer: &terminal };
+    let terminal = Terminal::default();
     let weighed_under = weighed_under(args.weather.as_deref(), &args.about_weather, &scene, &terminal)?;
-    let plan = build.decide(&BuildRequest {
-        accuracy: &args.accuracy.request_beside(args.weather.as_deref(), &args.about_weather),
-        share: Share::default(),
+    let accuracy = args.accuracy.request_beside(args.weather.as_deref(), &args.about_weather);
+    let build = SiteBuild {
         under: effects_under(weighed_under.as_ref(), args.negligible),
         effects: args.effects,
-        with_scene: true,
-        store: None,
-        from: None,
-        preview_percent: None,
-    })?;
+        memory: args.memory.into(),
+        ..SiteBuild::new(&scene, &args.receivers, &accuracy)
+    };
+    let (plan, receivers) = build.plan(&terminal)?;
     say(&format!(
         "{}: {} receivers, {} triangles, {}\n{}",
         args.scene.first().display(),
-        build.receivers.count(),
+        receivers,
         scene.mesh.triangles.len(),
         counted(rayon::current_num_threads() as u64, "thread"),
         tables::forecast(&plan.forecast)

@@ -14,20 +14,17 @@ use crate::asked::Memory;
 use crate::errors::{raised, worded_text, wrong};
 use crate::studies::request;
 use crate::work;
-use heliotile_builder::pipeline::{Build, Output, PreparedScene, Start, Workspace};
-use heliotile_builder::planning::{AccuracyRequest, BuildRequest};
-use heliotile_builder::settings::{EffectChoice, Quality, Share};
+use heliotile_builder::pipeline::{Output, Start};
+use heliotile_builder::planning::AccuracyRequest;
+use heliotile_builder::settings::{EffectChoice, Quality};
 use heliotile_builder::trace::placement::Placement;
-use heliotile_builder::writing::copy::folder_of;
-use heliotile_builder::writing::guards::{check_archive_name, guard_archive, guard_site};
-use heliotile_core::archive::Access;
+use heliotile_builder::writing::guards::guard_site;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::named::by_name;
 use heliotile_core::observer::Observer;
-use heliotile_remote::naming::{is_address, shown};
-use heliotile_remote::places::open_archive;
+use heliotile_results::SiteBuild;
 use heliotile_results::covering::{CoverRequest, Density, check_name, cover_scene, save, summary};
-use heliotile_results::horizon::black_below_horizon;
+use heliotile_results::site_build::check_output;
 use heliotile_scene::footprint_options::{FootprintOptions, HeightAbove, HeightSource};
 use heliotile_scene::placing::frame::{SiteFrame, UpAxis};
 use heliotile_scene::request::SceneRequest;
@@ -221,38 +218,18 @@ impl SceneHandle {
     ) -> PyResult<Built> {
         let accuracy = args.accuracy().map_err(|error| raised(py, error))?;
         work::run(py, progress.as_ref(), |watch| {
-            let folder = folder_of(&args.output);
             let given = Given::of(&receivers)?;
             let inputs = [given.user_file(), args.error_weather.as_deref(), args.before.as_deref()];
             // A wrong output is an error before the long work starts.
-            if is_address(&args.output) {
-                let hint = "write a file, and then: {command:copy} FILE ADDRESS";
-                return Err(Error::input(
-                    &shown(&args.output),
-                    None,
-                    "is an address, and only `copy` writes to addresses",
-                    hint,
-                ));
-            }
-            check_archive_name(&args.output)?;
-            guard_site(&args.output, &self.site, &inputs)?;
-            guard_archive(&args.output)?;
-            let before = args.before.as_deref().map(|from| open_archive(from, Access::Read)).transpose()?;
-            let workspace = Workspace { folder: folder.into(), memory: args.memory.0 };
-            let mut receivers = workspace.read_receivers(given.path(), &self.scene, watch)?;
-            let prepared = PreparedScene::new(&self.scene)?;
-            let build = Build { scene: &prepared, receivers: &mut receivers, workspace: &workspace, observer: watch };
+            check_output(&args.output, &self.site, &inputs)?;
             let effects = args.effects.parse::<EffectChoice>();
-            let effects = effects.map_err(wrong("effects", "give \"auto\", \"all\", \"none\" or some names"))?;
-            let request = BuildRequest {
-                accuracy: &accuracy,
-                share: Share::default(),
-                effects,
-                under: None,
+            let build = SiteBuild {
+                effects: effects.map_err(wrong("effects", "give \"auto\", \"all\", \"none\" or some names"))?,
                 with_scene: args.with_scene,
-                store: None,
-                from: before.as_ref(),
+                from: args.before.as_deref(),
                 preview_percent: args.preview,
+                memory: args.memory.0,
+                ..SiteBuild::new(&self.scene, given.path(), &accuracy)
             };
             let output = Output {
                 path: args.output.clone(),
@@ -260,10 +237,8 @@ impl SceneHandle {
                 checkpoint_every: Duration::try_from_secs_f64(args.checkpoint)
                     .map_err(wrong("checkpoint", "give a number of seconds, 0 or more"))?,
             };
-            let advice = "give the inputs that the build was started with to resume it, fresh=True to discard it, or another output";
-            let done = build.plan_and_write(&request, &output).map_err(|error| error.advise(advice))?;
+            let done = build.build(&output, watch)?;
             let archive = ArchiveHandle::of(&args.output)?;
-            black_below_horizon(archive.archive())?.iter().for_each(|w| watch.warn(w));
             let error = done.plan.accuracy.map(|accuracy| accuracy.rmse_percent);
             let report = done.report;
             Ok((archive, report.seconds, report.rays.total(), report.bytes, error))

@@ -9,14 +9,12 @@ use serde::{Deserialize, Serialize};
 
 use super::request::ComfortRequest;
 use crate::covering::{CoverRequest, cover_scene};
-use crate::horizon::black_below_horizon;
 use crate::outputs::receivers::{ReceiverRow, ReceiverTable};
 use crate::pv::placed;
 use crate::resources::Resources;
-use crate::site_archive::{TraceRequest, WaysOut, build_or_reuse};
+use crate::site_build::{FolderOption, SiteBuild, SiteFolder};
 use heliotile_builder::pipeline::PreparedScene;
 use heliotile_builder::planning::AccuracyRequest;
-use heliotile_builder::settings::EffectChoice;
 use heliotile_builder::siting::Siting;
 use heliotile_core::comfort::people::columns::PLANES;
 use heliotile_core::comfort::people::points::receiver_name;
@@ -140,24 +138,17 @@ impl ComfortSiteRequest {
         let beside = beside.map_err(Error::io(&self.folder, "make a folder in"))?;
         let receivers = beside.path().join("receivers.csv");
         write_receivers(&receivers, &stands, North::of(scene.place.as_ref()))?;
-        let asked = TraceRequest {
+        let build = SiteBuild { memory: resources.memory, ..SiteBuild::new(&scene, &receivers, &self.accuracy) };
+        let folder = SiteFolder {
             folder: &self.folder,
-            receivers: &receivers,
             archive: &archive,
-            accuracy: &self.accuracy,
-            effects: EffectChoice::Auto,
-            with_scene: true,
-            offset_m: 0.0,
+            placed: None,
             replace: self.replace,
-            ways_out: WaysOut::WITH_FOLDER,
-            memory: resources.memory,
-            under: None,
-            from: None,
+            named_by: FolderOption::Folder,
         };
-        let built = build_or_reuse(&asked, &scene, None, observer)?;
+        build.ensure(&folder, observer)?;
         let to = self.folder.join("receivers.csv");
         fs::rename(&receivers, &to).map_err(Error::io(&to, "rename to"))?;
-        black_below_horizon(&built)?.iter().for_each(|lost| observer.warn(lost));
         Ok(archive)
     }
 

@@ -17,15 +17,13 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use crate::horizon::black_below_horizon;
 use crate::outputs::provenance::Provenance;
 use crate::resources::Resources;
-use crate::site_archive::{TraceRequest, WaysOut, build_or_reuse};
+use crate::site_build::{FolderOption, SiteBuild, SiteFolder};
 use folder::PvFolder;
 use ground::GroundSpot;
 use heliotile_builder::pipeline::PreparedScene;
 use heliotile_builder::planning::AccuracyRequest;
-use heliotile_builder::settings::EffectChoice;
 use heliotile_builder::siting::Siting;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::observer::Observer;
@@ -192,27 +190,20 @@ fn run(request: &PvRequest, about: Provenance, resources: &Resources) -> Result<
     };
     let traced = with_modules.as_ref().unwrap_or(&scene);
     let receivers = spots.write_receivers(&ground, beside.path(), north)?;
-    let asked = TraceRequest {
+    let build = SiteBuild { memory: resources.memory, ..SiteBuild::new(traced, &receivers, &request.accuracy) };
+    let folder = SiteFolder {
         folder: &files.folder,
-        receivers: &receivers,
         archive: &files.archive,
-        accuracy: &request.accuracy,
-        effects: EffectChoice::Auto,
-        offset_m: 0.0,
+        placed: None,
         replace: request.replace,
-        ways_out: WaysOut::USUAL,
-        memory: resources.memory,
-        under: None,
-        with_scene: true,
-        from: None,
+        named_by: FolderOption::Output,
     };
-    let archive = build_or_reuse(&asked, traced, None, observer)?;
+    let archive = build.ensure(&folder, observer)?;
     let parts: &[&str] = if laid.is_some() { &["receivers.csv", GEOMETRY, MATERIALS] } else { &["receivers.csv"] };
     for name in parts {
         let to = files.folder.join(name);
         fs::rename(beside.path().join(name), &to).map_err(Error::io(&to, "rename to"))?;
     }
-    black_below_horizon(&archive)?.iter().for_each(|lost| observer.warn(lost));
     observer.stop_if_cancelled("after site.helio was complete")?;
     files.claim(&archive, &weather, request, &spots)?;
 

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use crate::outputs::sink::write_texts;
-use crate::site_archive::KEEP_OR_REPLACE;
+use crate::site_build::KEEP_OR_REPLACE;
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::weather::series::Weather;

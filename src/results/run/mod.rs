@@ -13,21 +13,19 @@ use serde::{Deserialize, Serialize};
 use crate::archives::Archives;
 use crate::covering::{CoverRequest, cover_site};
 use crate::files::FileRequest;
-use crate::horizon::black_below_horizon;
 use crate::outputs::periods::Every;
 use crate::outputs::provenance::Provenance;
 use crate::outputs::tables::layout::By;
 use crate::outputs::viewer_page::ViewerPage;
 use crate::receivers::ReceiverSet;
 use crate::resources::Resources;
-use crate::site_archive::{TraceRequest, WaysOut, build_or_reuse};
+use crate::site_build::{FolderOption, SiteBuild, SiteFolder};
 use crate::sunlight::{SunlightRequest, SunlightSite};
 use folder::RunFiles;
 
 pub use folder::folder_beside;
 use heliotile_builder::accuracy::conditions::ErrorConditions;
 use heliotile_builder::planning::{AccuracyRequest, EffectsUnder};
-use heliotile_builder::settings::EffectChoice;
 use heliotile_core::archive::Archive;
 use heliotile_core::error::Result;
 use heliotile_core::weather::distance::far_apart;
@@ -198,22 +196,21 @@ impl RunRequest {
             None => None,
         };
         let negligible_percent = self.negligible_percent;
-        let asked = TraceRequest {
-            folder: &files.folder,
-            receivers: &files.receivers,
-            archive: &files.archive,
-            accuracy: &self.accuracy,
-            effects: EffectChoice::Auto,
-            offset_m: self.cover.offset_m,
-            replace: self.replace,
-            ways_out: WaysOut::USUAL,
-            memory: resources.memory,
+        let build = SiteBuild {
             under: under.as_ref().map(|weather| EffectsUnder { weather, negligible_percent }),
             with_scene: self.with_scene,
             from: self.from.as_deref(),
+            memory: resources.memory,
+            ..SiteBuild::new(&scene, &files.receivers, &self.accuracy)
         };
-        let archive = build_or_reuse(&asked, &scene, covered.as_ref(), observer)?;
-        black_below_horizon(&archive)?.iter().for_each(|lost| observer.warn(lost));
+        let folder = SiteFolder {
+            folder: &files.folder,
+            archive: &files.archive,
+            placed: covered.as_ref().map(|covered| (covered, self.cover.offset_m)),
+            replace: self.replace,
+            named_by: FolderOption::Output,
+        };
+        let archive = build.ensure(&folder, observer)?;
         Ok((archive, weather))
     }
 
