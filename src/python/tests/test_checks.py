@@ -150,6 +150,28 @@ def test_pages_are_the_programs(site: heliotile.Archive, tmp_path: Path) -> None
         site.view(site.path)
 
 
+def test_no_result_replaces_an_input(site: heliotile.Archive, tmp_path: Path) -> None:
+    """Six calls whose output is their weather, their schedule, their list of receivers or an archive are refused, and all files keep their bytes."""
+    weather, schedule, names, after = (tmp_path / name for name in ("days.epw", "ground.csv", "names.csv", "after.helio"))
+    weather.write_bytes(DAYS.read_bytes())
+    schedule.write_text("reflectance\n" + 12 * "0.3\n")
+    names.write_text(f"receiver\n{site.receivers()['receiver'][0]}\n")
+    after.write_bytes(Path(site.path).read_bytes())
+    inputs = (weather, schedule, names, after)
+    before = [path.read_bytes() for path in inputs]
+    for call in (
+        lambda: site.write(weather, weather),
+        lambda: site.write(schedule, weather, reflectance={"ground": str(schedule)}),
+        lambda: site.write(names, weather, receivers=names),
+        lambda: site.buildings(weather, weather),
+        lambda: site.places(weather, weather),
+        lambda: heliotile.compare(site, after, weather, summary=after),
+    ):
+        with pytest.raises((heliotile.ArgumentError, heliotile.InputError), match="input|replaced"):
+            call()
+    assert [path.read_bytes() for path in inputs] == before
+
+
 def test_the_book_names_every_command() -> None:
     """The table of the book has a line for each of the program's 35 commands, and all that it calls exists."""
     lines = (ROOT / "src" / "book" / "python.md").read_text().splitlines()
