@@ -22,8 +22,9 @@
 //! }
 //! ```
 //!
-//! Four programs stand in `tools/examples`: the one above, hours of a tile passed to a function of
-//! the caller, conditions with another albedo, and geometry that a program makes.
+//! Five programs stand in `tools/examples`: the one above, hours of a tile passed to a function of
+//! the caller, conditions with another albedo, geometry that a program makes, and receivers and
+//! weather in memory.
 //!
 //! # What it is made of
 //!
@@ -57,14 +58,26 @@
 pub mod book;
 mod site;
 
-pub use heliotile_builder::planning::AccuracyRequest;
-pub use heliotile_builder::settings::Quality;
+pub use heliotile_builder::pipeline::{Output, Start};
+pub use heliotile_builder::planning::{AccuracyRequest, BuildDone, PlanReport};
+pub use heliotile_builder::settings::{EffectChoice, Quality, Share};
+pub use heliotile_builder::transfer::{Bounds, Selection};
+pub use heliotile_core::archive::Access;
 pub use heliotile_core::error::{Error, Result};
 pub use heliotile_core::memory::MemoryBudget;
 pub use heliotile_core::observer::{Observer, Silent};
-pub use heliotile_results::outputs::periods::Every;
-pub use heliotile_results::{CompareRequest, Illumination, LightChoice, Provenance, ReceiverChoice, Tile};
-pub use heliotile_results::{CoverRequest, FileRequest, QueryRequest, ReplayRequest, Resources, SiteArchiveRequest};
+pub use heliotile_core::replay::components::{Component, ComponentList, ComponentSet};
+pub use heliotile_core::site::material::{Class, Material};
+pub use heliotile_core::site::receiver::Receiver;
+pub use heliotile_core::units::direction_from_degrees;
+pub use heliotile_core::weather::conditions::Condition;
+pub use heliotile_results::site_build::check_output;
+pub use heliotile_results::{
+    CompareRequest, ConditionSource, CoverRequest, Every, FileRequest, Illumination, LightChoice, Provenance,
+    QueryRequest, ReceiverChoice, ReceiverSource, ReplayRequest, Resources, SiteArchiveRequest, SiteBuild, SiteFolder,
+    Tile,
+};
+pub use heliotile_scene::Scene;
 pub use heliotile_scene::request::SceneRequest;
 pub use site::{ReceiverTotal, Site, SiteOptions, SiteReplay};
 pub use {heliotile_atlas, heliotile_builder, heliotile_core, heliotile_remote, heliotile_results, heliotile_scene};

@@ -20,7 +20,7 @@ use heliotile_core::observer::Observer;
 use heliotile_remote::naming::{is_address, shown};
 use heliotile_results::covering::cover_site;
 use heliotile_results::outputs::sink::write_texts;
-use heliotile_results::site_build::{FolderOption, SiteBuild, SiteFolder};
+use heliotile_results::site_build::{FolderOption, ReceiverSource, SiteBuild, SiteFolder};
 
 /// Lock file in the folder of a part, held by the process that builds the part.
 const LOCK: &str = ".lock";
@@ -160,20 +160,16 @@ impl PartBuild<'_> {
             return Ok(());
         }
         let before = self.before_part()?;
-        let receivers = folder.join("receivers.csv");
+        let table = &folder.join("receivers.csv");
+        let receivers = ReceiverSource::Placed { placed: &covered, offset_m: plan.cut.cover.offset_m, table };
         let build = SiteBuild {
             with_scene: !plan.cut.no_scene,
             from: before.as_deref(),
             memory: request.memory,
-            ..SiteBuild::new(&scene, &receivers, &plan.cut.accuracy)
+            ..SiteBuild::new(&scene, receivers, &plan.cut.accuracy)
         };
-        let within = SiteFolder {
-            folder,
-            archive: &folder.join(ARCHIVE),
-            placed: Some((&covered, plan.cut.cover.offset_m)),
-            replace: request.fresh,
-            named_by: FolderOption::Part,
-        };
+        let within =
+            SiteFolder { folder, archive: &folder.join(ARCHIVE), replace: request.fresh, named_by: FolderOption::Part };
         observer.report(&format!("{}: {files} of {} files near it\n", part.name, plan.files.len()));
         build.ensure(&within, observer)?;
         observer.stop_if_cancelled("after a part was complete")

@@ -1,18 +1,20 @@
 //! Receivers of any number, tile by tile. In: a `receivers.csv` of any length. Out: its receivers
 //! in tiles along the Morton curve, from bounded memory.
 
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
 use crate::spill::{Sorted, Sorter, damaged, number_of};
 use heliotile_core::archive::{Archive, tables};
-use heliotile_core::error::Result;
+use heliotile_core::error::{Error, Result};
 use heliotile_core::site::content::ContentHasher;
 use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::site::morton::{morton_key, receiver_of_key};
 use heliotile_core::site::patch::Patch;
 use heliotile_core::site::receiver::{Receiver, TILE};
+use heliotile_core::text::excerpt;
 use heliotile_scene::covering::receivers::{ReceiverRows, SurfaceHeight, duplicate, no_receivers};
 
 /// Receivers in Morton order, in temporary files if they exceed the memory budget.
@@ -80,6 +82,28 @@ impl ReceiverTiles {
             }
         }
         Ok(None)
+    }
+
+    /// Sorts receivers that are in memory into tiles. Errors: a number that is not finite, a normal
+    /// that is none, a name that is empty or there twice.
+    pub fn checked(receivers: &[Receiver], origin: DVec3, folder: &Path, budget_bytes: usize) -> Result<Self> {
+        let mut names = HashSet::new();
+        for (row, Receiver { id, position, normal, .. }) in receivers.iter().enumerate() {
+            let refuse = |what: &str| {
+                let hint = "give metres, a unit normal, and a name of its own for each receiver";
+                Err(Error::argument("receivers", format!("receiver {row} (`{}`) {what}", excerpt(id, 80)), hint))
+            };
+            if !position.is_finite() || !normal.is_finite() {
+                return refuse("has a number that is not finite");
+            }
+            if !normal.is_normalized() {
+                return refuse("has a normal whose length is not 1");
+            }
+            if id.is_empty() || !names.insert(id) {
+                return refuse("has no name of its own");
+            }
+        }
+        ReceiverTiles::from_receivers(receivers, origin, folder, budget_bytes)
     }
 
     /// Sorts receivers that are in memory into tiles. Names are not checked for duplicates.

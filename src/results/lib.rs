@@ -86,11 +86,11 @@ pub use files::{
 pub use own_skies::{SkyChoice, SkyFiles};
 pub use places::{PlaceOn, PlacesRequest, PlacesSummary};
 pub use receivers::{PartReceivers, ReceiverChoice, ReceiverSet, TileReceivers};
-pub use request::{LightChoice, QueryRequest, ReplayRequest};
+pub use request::{ConditionSource, LightChoice, QueryRequest, ReplayRequest};
 pub use resources::Resources;
 pub use run::{RunDone, RunMap, RunRequest};
 pub use series::Series;
-pub use site_build::{FolderOption, SiteArchiveRequest, SiteBuild, SiteFolder};
+pub use site_build::{FolderOption, ReceiverSource, SiteArchiveRequest, SiteBuild, SiteFolder};
 pub use sky_components::SkyComponents;
 pub use stream::{CoarseSinks, Sinks, Tile, TileFn, TileSink, TileStream};
 pub use sunlight::{

@@ -16,6 +16,7 @@ use heliotile_core::observer::Observer;
 use heliotile_core::replay::components::{Component, ComponentList};
 use heliotile_core::replay::reflectances::{Changes, followed_files};
 use heliotile_core::sky::model::SkyModel;
+use heliotile_core::weather::conditions::Condition;
 use heliotile_core::weather::dated::DatedRows;
 use heliotile_core::weather::distance::far_apart;
 use heliotile_core::weather::formats::weather_file::{ScenePlace, parse_weather_as};
@@ -105,8 +106,35 @@ impl LightChoice {
 pub struct QueryRequest {
     /// Light that counts.
     pub light: LightChoice,
-    /// Table of conditions.
-    pub conditions: PathBuf,
+    /// Conditions.
+    pub conditions: ConditionSource,
+}
+
+/// Conditions of a query.
+#[derive(Clone, Debug)]
+pub enum ConditionSource {
+    /// Table in a file.
+    File(PathBuf),
+    /// Conditions in memory.
+    Rows(Vec<Condition>),
+}
+
+impl From<&str> for ConditionSource {
+    fn from(file: &str) -> Self {
+        ConditionSource::File(file.into())
+    }
+}
+
+impl From<PathBuf> for ConditionSource {
+    fn from(file: PathBuf) -> Self {
+        ConditionSource::File(file)
+    }
+}
+
+impl From<Vec<Condition>> for ConditionSource {
+    fn from(rows: Vec<Condition>) -> Self {
+        ConditionSource::Rows(rows)
+    }
 }
 
 /// Request for irradiance through a weather file.
@@ -137,6 +165,20 @@ pub struct ReplayRequest {
 pub const MOST_STEPS: usize = 60;
 
 impl QueryRequest {
+    /// Returns a query with the usual light: a table of conditions, or conditions in memory.
+    pub fn of(conditions: impl Into<ConditionSource>) -> Self {
+        QueryRequest { light: LightChoice::default(), conditions: conditions.into() }
+    }
+
+    /// Returns the files that the request reads besides archives.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        let table = match &self.conditions {
+            ConditionSource::File(file) => Some(file.as_path()),
+            ConditionSource::Rows(_) => None,
+        };
+        self.light.files().chain(table)
+    }
+
     /// Refuses columns and skies that conditions cannot give, before any file is read.
     pub fn check(&self) -> Result<()> {
         self.light.sky_files.check(self.light.sky)?;

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use super::archives::Archives;
 use super::doubts::{mean_ground, of_archive};
 use super::own_skies::ConditionRows;
-use super::request::{QueryRequest, ReplayRequest};
+use super::request::{ConditionSource, QueryRequest, ReplayRequest};
 use super::resources::Resources;
 use crate::outputs::periods::{ClockReading, Every, Periods};
 use crate::outputs::provenance::Provenance;
@@ -249,21 +249,26 @@ impl QueryRequest {
     /// Returns the conditions of the table as a series. Warns of what is odd about them and the
     /// archives.
     pub fn series(&self, archives: Archives, about: Provenance, resources: &Resources) -> Result<Series> {
-        let file = parse_conditions(&self.conditions, &(resources.files)(&self.conditions)?)?;
         let tell = |text: &String| resources.observer.warn(text);
-        file.warnings.iter().for_each(tell);
+        let (found, name) = match &self.conditions {
+            ConditionSource::File(path) => {
+                let file = parse_conditions(path, &(resources.files)(path)?)?;
+                file.warnings.iter().for_each(tell);
+                (file.conditions, path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned())
+            }
+            ConditionSource::Rows(rows) => (rows.clone(), "conditions".to_owned()),
+        };
         mean_ground(archives.first(), &self.light.changes)?.iter().for_each(tell);
         of_archive(archives.first(), None).iter().for_each(tell);
         self.light.tell_bands(archives, resources.observer)?;
-        let name = self.conditions.file_name().unwrap_or(self.conditions.as_os_str()).to_string_lossy();
-        let called = match file.conditions.as_slice() {
+        let called = match found.as_slice() {
             [only] => format!("{name}: {}", only.label),
-            _ => name.to_string(),
+            _ => name.clone(),
         };
         let changes = self.light.changes.clone();
-        let count = file.conditions.len();
+        let count = found.len();
         let rows = ConditionRows { places: (0..count).collect(), count, file: "a table of conditions" };
-        let conditions = self.light.sky_files.over(file.conditions, &rows, resources)?;
+        let conditions = self.light.sky_files.over(found, &rows, resources)?;
         Ok(Series::of_conditions(conditions, changes, about.with("conditions", name)).called(called))
     }
 }

@@ -23,6 +23,7 @@ use heliotile_core::archive::{Access, Archive, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::observer::Observer;
+use heliotile_core::site::receiver::Receiver;
 use heliotile_remote::naming::{is_address, shown};
 use heliotile_remote::places::open_archive;
 use heliotile_scene::Scene;
@@ -32,13 +33,49 @@ use heliotile_scene::site::Site;
 /// Hint for a folder that holds other results.
 pub const KEEP_OR_REPLACE: &str = "give {output} FOLDER to keep both, or {replace} to replace the old results";
 
+/// Receivers of a build.
+#[derive(Clone, Copy)]
+pub enum ReceiverSource<'a> {
+    /// Table of receivers.
+    Table(&'a Path),
+    /// Receivers in memory, in coordinates of the scene.
+    Rows(&'a [Receiver]),
+    /// Receivers on surfaces. [`SiteBuild::ensure`] writes their table too.
+    Placed {
+        /// Receivers, with those that get no light.
+        placed: &'a PlacedReceivers,
+        /// Distance off the surfaces, metres.
+        offset_m: f64,
+        /// Table to write.
+        table: &'a Path,
+    },
+}
+
+impl<'a> From<&'a Path> for ReceiverSource<'a> {
+    fn from(table: &'a Path) -> Self {
+        ReceiverSource::Table(table)
+    }
+}
+
+impl<'a> From<&'a PathBuf> for ReceiverSource<'a> {
+    fn from(table: &'a PathBuf) -> Self {
+        ReceiverSource::Table(table)
+    }
+}
+
+impl<'a> From<&'a [Receiver]> for ReceiverSource<'a> {
+    fn from(rows: &'a [Receiver]) -> Self {
+        ReceiverSource::Rows(rows)
+    }
+}
+
 /// A scene, its receivers, and how its light is traced.
 #[derive(Clone, Copy)]
 pub struct SiteBuild<'a> {
     /// Scene to trace.
     pub scene: &'a Scene,
-    /// Table of receivers.
-    pub receivers: &'a Path,
+    /// Receivers.
+    pub receivers: ReceiverSource<'a>,
     /// Accuracy of the archive.
     pub accuracy: &'a AccuracyRequest,
     /// Light paths that are traced; an archive with more of them serves, too.
@@ -68,9 +105,6 @@ pub struct SiteFolder<'a> {
     pub folder: &'a Path,
     /// Archive in it.
     pub archive: &'a Path,
-    /// Receivers to write as the table of the build, and their distance off the surfaces, metres;
-    /// `None`: the table is an input.
-    pub placed: Option<(&'a PlacedReceivers, f64)>,
     /// True if files of other inputs are replaced.
     pub replace: bool,
     /// Option that names the folder.
@@ -134,10 +168,10 @@ pub fn check_output(output: &Path, site: &Site, inputs: &[Option<&Path>]) -> Res
 
 impl<'a> SiteBuild<'a> {
     /// Returns a build of the light paths that count, with 4 GiB of memory.
-    pub fn new(scene: &'a Scene, receivers: &'a Path, accuracy: &'a AccuracyRequest) -> Self {
+    pub fn new(scene: &'a Scene, receivers: impl Into<ReceiverSource<'a>>, accuracy: &'a AccuracyRequest) -> Self {
         SiteBuild {
             scene,
-            receivers,
+            receivers: receivers.into(),
             accuracy,
             effects: EffectChoice::Auto,
             under: None,
@@ -167,11 +201,30 @@ impl<'a> SiteBuild<'a> {
         Workspace { folder: folder.to_path_buf(), memory: self.memory }
     }
 
+    /// Reads the receivers into tiles. Returns the table of those on surfaces too, which waits in
+    /// `folder`.
+    fn tiles(
+        &self,
+        workspace: &Workspace,
+        folder: &Path,
+        observer: &dyn Observer,
+    ) -> Result<(ReceiverTiles, Option<PlannedReceivers>)> {
+        let scene = self.scene;
+        match self.receivers {
+            ReceiverSource::Table(path) => Ok((workspace.read_receivers(path, scene, observer)?, None)),
+            ReceiverSource::Rows(rows) => Ok((workspace.sort_receivers(rows, scene, observer)?, None)),
+            ReceiverSource::Placed { placed, offset_m, .. } => {
+                let planned = PlannedReceivers::write(placed, offset_m, folder)?;
+                Ok((workspace.read_receivers(planned.path(), scene, observer)?, Some(planned)))
+            }
+        }
+    }
+
     /// Decides what a build would trace, without writing anything. Returns the number of receivers
     /// too.
     pub fn plan(&self, observer: &dyn Observer) -> Result<(PlanReport, usize)> {
         let workspace = self.workspace(&std::env::temp_dir());
-        let mut receivers = workspace.read_receivers(self.receivers, self.scene, observer)?;
+        let (mut receivers, _planned) = self.tiles(&workspace, &workspace.folder, observer)?;
         let prepared = PreparedScene::new(self.scene)?;
         let mut build = Build { scene: &prepared, receivers: &mut receivers, workspace: &workspace, observer };
         let plan = build.decide(&self.request(None)?)?;
@@ -182,7 +235,7 @@ impl<'a> SiteBuild<'a> {
     pub fn build(&self, output: &Output, observer: &dyn Observer) -> Result<BuildDone> {
         let before = self.from.map(|from| open_archive(from, Access::Read)).transpose()?;
         let workspace = self.workspace(folder_of(&output.path));
-        let mut receivers = workspace.read_receivers(self.receivers, self.scene, observer)?;
+        let (mut receivers, _planned) = self.tiles(&workspace, &workspace.folder, observer)?;
         let prepared = PreparedScene::new(self.scene)?;
         let build = Build { scene: &prepared, receivers: &mut receivers, workspace: &workspace, observer };
         let done = build.plan_and_write(&self.request(before.as_ref())?, output);
@@ -229,13 +282,13 @@ impl SiteArchiveRequest {
     pub fn build(&self, observer: &dyn Observer) -> Result<PathBuf> {
         let (scene, covered) = covering::cover_site(&self.scene.site()?, &self.cover, observer)?;
         let archive = self.folder.join("site.helio");
-        let receivers = self.folder.join("receivers.csv");
-        let build = SiteBuild { memory: self.memory, ..SiteBuild::new(&scene, &receivers, &self.accuracy) };
+        let table = &self.folder.join("receivers.csv");
+        let receivers = ReceiverSource::Placed { placed: &covered, offset_m: self.cover.offset_m, table };
+        let build = SiteBuild { memory: self.memory, ..SiteBuild::new(&scene, receivers, &self.accuracy) };
         build.ensure(
             &SiteFolder {
                 folder: &self.folder,
                 archive: &archive,
-                placed: Some((&covered, self.cover.offset_m)),
                 replace: self.replace,
                 named_by: FolderOption::Output,
             },
@@ -262,16 +315,13 @@ impl SiteBuild<'_> {
         let before = self.from.map(|from| open_archive(from, Access::Read)).transpose()?;
         // The new table waits beside the one in the folder, which is replaced only if nothing is
         // refused.
-        let planned = match folder.placed {
-            Some((placed, offset_m)) => Some((placed, PlannedReceivers::write(placed, offset_m, folder.folder)?)),
-            None => None,
-        };
         let workspace = self.workspace(folder_of(folder.archive));
-        let path = planned.as_ref().map_or(self.receivers, |(_, planned)| planned.path());
-        let mut receivers = workspace.read_receivers(path, self.scene, observer)?;
+        let (mut receivers, planned) = self.tiles(&workspace, folder.folder, observer)?;
         let settings = self.accuracy.settings()?;
-        let mut differences =
-            planned.as_ref().map_or(Ok(Vec::new()), |(_, planned)| planned.differences(self.receivers))?;
+        let mut differences = match (self.receivers, &planned) {
+            (ReceiverSource::Placed { table, .. }, Some(planned)) => planned.differences(table)?,
+            _ => Vec::new(),
+        };
         let found = self.archive_at(folder.archive, &mut receivers, &settings)?;
         if let Found::Other(others) = &found {
             differences.extend_from_slice(others);
@@ -280,9 +330,9 @@ impl SiteBuild<'_> {
             let what = format!("holds results of other inputs: {}", differences.join("; "));
             return Err(Error::input(folder.folder, None, what, folder.named_by.for_results()));
         }
-        if let Some((placed, planned)) = planned {
-            planned.place(self.receivers)?;
-            observer.report(&format!("{}: {}", self.receivers.display(), covering::summary(placed, self.scene)));
+        if let (ReceiverSource::Placed { placed, table, .. }, Some(planned)) = (self.receivers, planned) {
+            planned.place(table)?;
+            observer.report(&format!("{}: {}", table.display(), covering::summary(placed, self.scene)));
         }
         let archive = match found {
             Found::Same(archive) => {

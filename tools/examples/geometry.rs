@@ -1,23 +1,15 @@
 //! Traces and replays geometry that a program makes: a white wall on a ground under a clear and an
-//! overcast sky, with the crates below the requests.
+//! overcast sky.
 //!
 //! `cargo run --release --example geometry`
 
+use std::path::Path;
+
 use glam::DVec3;
-use heliotile_builder::pipeline::{Build, Output, Plan, PreparedScene, ReusedArchives, Workspace};
-use heliotile_builder::receiver_tiles::ReceiverTiles;
-use heliotile_builder::settings::{Quality, Rungs};
-use heliotile_core::archive::Archive;
-use heliotile_core::memory::MemoryBudget;
-use heliotile_core::observer::Silent;
-use heliotile_core::opened::OpenSite;
-use heliotile_core::replay::components::Component;
-use heliotile_core::replay::run::{Replay, ReplaySettings};
-use heliotile_core::site::material::{Class, Material};
-use heliotile_core::site::receiver::Receiver;
-use heliotile_core::units::direction_from_degrees;
-use heliotile_core::weather::conditions::Condition;
-use heliotile_scene::Scene;
+use heliotile::{
+    AccuracyRequest, Class, Component, ComponentSet, Condition, Illumination, Material, Output, Quality, QueryRequest,
+    Receiver, Resources, Scene, Silent, Site, SiteBuild, direction_from_degrees,
+};
 
 fn main() -> heliotile::Result<()> {
     let folder = tempfile::tempdir().map_err(heliotile::Error::io(&std::env::temp_dir(), "make a folder in"))?;
@@ -43,26 +35,23 @@ fn wall_in_the_sun(folder: &std::path::Path, mut each: impl FnMut(&str, f32, f32
     // One receiver that looks up and one that looks at the wall.
     let receiver = |id: &str, normal: DVec3| Receiver::new(id.into(), z, normal);
     let receivers = [receiver("up", z), receiver("north", y)];
-    let workspace = Workspace { folder: folder.into(), memory: MemoryBudget::DEFAULT };
-    let mut tiles = ReceiverTiles::from_receivers(&receivers, scene.mesh.origin, folder, 1 << 20)?;
-    let prepared = PreparedScene::new(&scene)?;
-    let mut build = Build { scene: &prepared, receivers: &mut tiles, workspace: &workspace, observer: &Silent };
+    let accuracy = AccuracyRequest { quality: Quality::Draft, ..AccuracyRequest::default() };
     let path = folder.join("site.helio");
-    build.write(&Plan::of(Rungs::of(Quality::Draft).settings()), &Output::new(&path), &ReusedArchives::default())?;
+    SiteBuild::new(&scene, &receivers[..], &accuracy).build(&Output::new(&path), &Silent)?;
 
     // The sun in the south at 40 degrees, and an overcast sky. Degrees, W/m2.
     let sun = direction_from_degrees(180.0, 40.0);
     let condition = |label: &str, dni, dhi| Condition::new(label.into(), &[sun], sun, dni, dhi);
     let conditions = [condition("clear", 800.0, 80.0), condition("overcast", 0.0, 150.0)];
-    let archive = Archive::open(&path)?;
-    let replay = Replay::new(&OpenSite::of(&archive)?, &conditions, ReplaySettings::default())?;
-    for tile in replay.results(0..replay.tiles()) {
-        let (ids, values) = tile?;
-        for (row, id) in ids.iter().enumerate() {
-            let [direct, reflected] = [Component::SunDirect, Component::SunDiffuse].map(|c| values.row(c, row)[0]);
+    let (site, under) = (Site::open(path)?, Illumination::Conditions(QueryRequest::of(conditions.to_vec())));
+    let columns = [Component::SunDirect, Component::SunDiffuse];
+    site.under(&under, Path::new("-"), &Resources::usual())?.each(ComponentSet::of(&columns), |tile| {
+        for (row, id) in tile.ids.iter().enumerate() {
+            let [direct, reflected] = columns.map(|column| tile.values.row(column, row)[0]);
             each(id, direct, reflected);
         }
-    }
+        Ok(true)
+    })?;
     Ok(())
 }
 

@@ -3,8 +3,7 @@
 //!
 //! `cargo run --release --example hours -- SITE.helio WEATHER`
 
-use heliotile::{ReplayRequest, Resources, Site};
-use heliotile_core::replay::components::Component;
+use heliotile::{Component, ReplayRequest, Resources, Site};
 
 fn main() -> heliotile::Result<()> {
     let words: Vec<String> = std::env::args().skip(1).collect();

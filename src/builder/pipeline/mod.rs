@@ -86,6 +86,15 @@ impl Workspace {
         warnings.iter().for_each(|warning| observer.warn(warning));
         Ok(receivers)
     }
+
+    /// Sorts receivers that are in memory into tiles. Warns of receivers far from the scene.
+    pub fn sort_receivers(&self, rows: &[Receiver], scene: &Scene, observer: &dyn Observer) -> Result<ReceiverTiles> {
+        let budget = self.memory.length(Use::SortedReceivers);
+        let receivers = ReceiverTiles::checked(rows, scene.mesh.origin, &self.folder, budget)?;
+        let far = |farthest| far_receivers(scene, receivers.bounds(), farthest, receivers.count());
+        receivers.farthest().and_then(far).iter().for_each(|warning| observer.warn(warning));
+        Ok(receivers)
+    }
 }
 
 /// Finished archives from which a build copies layers.

@@ -32,7 +32,7 @@ use heliotile_results::Resources;
 use heliotile_results::covering::cover_site;
 use heliotile_results::covering::{CoverRequest, Density, PlacedReceivers};
 use heliotile_results::outputs::sink::{write_file, write_texts};
-use heliotile_results::site_build::{FolderOption, KEEP_OR_REPLACE, SiteBuild, SiteFolder};
+use heliotile_results::site_build::{FolderOption, KEEP_OR_REPLACE, ReceiverSource, SiteBuild, SiteFolder};
 use heliotile_scene::Scene;
 use heliotile_scene::input;
 use heliotile_scene::request::SceneRequest;
@@ -321,11 +321,11 @@ fn traced(
 ) -> Result<Archive> {
     let accuracy = &task.request.accuracy;
     let memory = task.resources.memory;
+    let receivers = ReceiverSource::Placed { placed: covered, offset_m: OFFSET_M, table: receivers };
     let build = SiteBuild { effects, memory, ..SiteBuild::new(scene, receivers, accuracy) };
     let folder = SiteFolder {
         folder: &task.request.folder,
         archive,
-        placed: Some((covered, OFFSET_M)),
         replace: task.request.replace,
         named_by: FolderOption::Output,
     };

@@ -5,7 +5,6 @@ use std::path::PathBuf;
 
 use clap::{ArgGroup, Args, Subcommand};
 
-use super::sites::clock_of;
 use super::values::{Bytes, SelectionArgs, choice, parse_memory};
 use super::{ClockArgs, FootprintArgs, MaterialsArgs, PlaceArgs, RasterArgs, SceneArgs};
 use heliotile_atlas::VerifyRequest;
@@ -90,7 +89,6 @@ pub enum StoreCommand {
 }
 
 #[derive(Args, Debug)]
-#[command(group(clock_of("weather")))]
 pub struct InfoArgs {
     /// Archive or atlas to describe (a path or an address), or scene files as for `build`
     #[arg(required_unless_present_any = ["dsm", "dem", "canopy", "landcover", "weather"], value_name = "SITE.helio|SCENE")]

@@ -16,6 +16,7 @@ use heliotile_core::replay::components::Component;
 use heliotile_core::site::bands::BandOptics;
 use heliotile_core::site::material::rounded;
 use heliotile_core::text::{counted, excerpt};
+use heliotile_core::weather::options::WeatherOptions;
 use heliotile_remote::places::open_archive;
 use heliotile_results::horizon::black_below_horizon;
 use heliotile_scene::placing::frame::SiteFrame;
@@ -31,6 +32,10 @@ const MOST_SHOWN: usize = 80;
 pub fn info(args: &InfoArgs) -> Result<Outcome> {
     if let Some(file) = &args.weather {
         return weather::info(file, &args.about_weather, args.place.latitude.zip(args.place.longitude));
+    }
+    if args.about_weather.options(false) != WeatherOptions::default() {
+        let hint = "give a weather file with {weather}, or leave them out";
+        return Err(Error::argument("time_zone, shift, weather_stamp, date_order", "describe a weather file", hint));
     }
     if let [place] = args.files.as_slice()
         && let Some(atlas) = Atlas::find(place)?

@@ -265,7 +265,7 @@ impl Filled {
         let light = light.choice(&mut given)?;
         let (method, request) = match forcing {
             Forcing::Conditions(source) => {
-                let request = QueryRequest { light, conditions: given.source(source) };
+                let request = QueryRequest { light, conditions: given.source(source).into() };
                 request.check()?;
                 ("query", Illumination::Conditions(request))
             }

@@ -142,7 +142,6 @@ impl ComfortSiteRequest {
         let folder = SiteFolder {
             folder: &self.folder,
             archive: &archive,
-            placed: None,
             replace: self.replace,
             named_by: FolderOption::Folder,
         };

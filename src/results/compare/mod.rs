@@ -71,7 +71,7 @@ impl Illumination {
     pub fn files(&self) -> Vec<&Path> {
         match self {
             Illumination::Weather(request) => request.files().collect(),
-            Illumination::Conditions(request) => request.light.files().chain([request.conditions.as_path()]).collect(),
+            Illumination::Conditions(request) => request.files().collect(),
         }
     }
 }

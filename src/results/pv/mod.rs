@@ -194,7 +194,6 @@ fn run(request: &PvRequest, about: Provenance, resources: &Resources) -> Result<
     let folder = SiteFolder {
         folder: &files.folder,
         archive: &files.archive,
-        placed: None,
         replace: request.replace,
         named_by: FolderOption::Output,
     };

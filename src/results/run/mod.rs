@@ -19,7 +19,7 @@ use crate::outputs::tables::layout::By;
 use crate::outputs::viewer_page::ViewerPage;
 use crate::receivers::ReceiverSet;
 use crate::resources::Resources;
-use crate::site_build::{FolderOption, SiteBuild, SiteFolder};
+use crate::site_build::{FolderOption, ReceiverSource, SiteBuild, SiteFolder};
 use crate::sunlight::{SunlightRequest, SunlightSite};
 use folder::RunFiles;
 
@@ -196,17 +196,21 @@ impl RunRequest {
             None => None,
         };
         let negligible_percent = self.negligible_percent;
+        let table = &files.receivers;
+        let receivers = match &covered {
+            Some(placed) => ReceiverSource::Placed { placed, offset_m: self.cover.offset_m, table },
+            None => ReceiverSource::Table(table),
+        };
         let build = SiteBuild {
             under: under.as_ref().map(|weather| EffectsUnder { weather, negligible_percent }),
             with_scene: self.with_scene,
             from: self.from.as_deref(),
             memory: resources.memory,
-            ..SiteBuild::new(&scene, &files.receivers, &self.accuracy)
+            ..SiteBuild::new(&scene, receivers, &self.accuracy)
         };
         let folder = SiteFolder {
             folder: &files.folder,
             archive: &files.archive,
-            placed: covered.as_ref().map(|covered| (covered, self.cover.offset_m)),
             replace: self.replace,
             named_by: FolderOption::Output,
         };

@@ -256,7 +256,7 @@ pub struct QueryArgs {
 impl QueryArgs {
     /// Returns the request of `query`.
     pub fn request(&self) -> Result<QueryRequest> {
-        Ok(QueryRequest { light: self.common.light()?, conditions: self.conditions.clone() })
+        Ok(QueryRequest { light: self.common.light()?, conditions: self.conditions.clone().into() })
     }
 }
 
@@ -439,7 +439,8 @@ impl CompareArgs {
                 Illumination::Weather(Box::new(request))
             }
             (None, Some(conditions)) => {
-                Illumination::Conditions(QueryRequest { light: self.common.light()?, conditions: conditions.clone() })
+                let (light, conditions) = (self.common.light()?, conditions.clone().into());
+                Illumination::Conditions(QueryRequest { light, conditions })
             }
             (None, None) => return Err(Error::argument("weather, conditions", "neither is given", "give one of them")),
         };
