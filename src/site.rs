@@ -1,5 +1,5 @@
-//! The way into an archive, or into an atlas that is asked like one. In: a place. Out: an open site,
-//! whose light is computed for requests and written to files.
+//! The way into an archive, or into an atlas that is asked like one. In: a place. Out: an open
+//! site, whose light is computed for requests and written to files.
 
 use std::fs;
 use std::path::{Path, PathBuf};

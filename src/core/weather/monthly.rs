@@ -42,8 +42,8 @@ impl Weather {
         WeatherSums::of(self.rows.iter(), self.interval_hours)
     }
 
-    /// Returns the sums of each month that has rows, by its year and its number from 1 to 12, in the
-    /// order of the file.
+    /// Returns the sums of each month that has rows, by its year and its number from 1 to 12, in
+    /// the order of the file.
     pub fn monthly_sums(&self) -> Vec<((i32, u32), WeatherSums)> {
         let month = |row: &WeatherRow| (row.interval.date.year, row.interval.date.month);
         let months = self.rows.chunk_by(|row, next| month(row) == month(next));

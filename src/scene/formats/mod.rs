@@ -6,8 +6,6 @@
 
 mod ascii_grid;
 mod building;
-#[cfg(test)]
-mod case_files;
 mod citygml;
 mod cityjson;
 pub(crate) mod energyplus;
@@ -25,6 +23,8 @@ mod ply_header;
 mod projections;
 mod sidecar;
 mod stl;
+#[cfg(test)]
+mod test_cases;
 #[cfg(test)]
 mod test_solids;
 mod tiff_directory;

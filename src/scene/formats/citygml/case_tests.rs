@@ -1,12 +1,12 @@
 //! Files that stand for one kind of fault each, with the areas that are right.
 
 use crate::Scene;
-use crate::formats::case_files::{self, areas_m2};
+use crate::formats::test_cases::{self, areas_m2};
 use crate::load::Soup;
 use crate::site::{Part, Site};
 
 fn load(name: &str) -> Result<(Scene, Soup), String> {
-    case_files::load(&format!("citygml/cases/{name}"))
+    test_cases::load(&format!("citygml/cases/{name}"))
 }
 
 /// Seven files have the roofs and walls (m2) of a sum by hand, within 0.6 %, and say what was done:

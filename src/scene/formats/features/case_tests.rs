@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::Scene;
 use crate::footprint_options::HeightAbove;
-use crate::formats::case_files::{self, areas_m2};
+use crate::formats::test_cases::{self, areas_m2};
 use crate::load::Soup;
 use crate::site::{Part, Site};
 
@@ -13,7 +13,7 @@ fn case(name: &str) -> PathBuf {
 }
 
 fn load(name: &str) -> Result<(Scene, Soup), String> {
-    case_files::load(&format!("footprints/cases/{name}"))
+    test_cases::load(&format!("footprints/cases/{name}"))
 }
 
 /// Seventeen files have the objects, roofs and walls (m2) of a sum by hand, within 0.6 %: shapes by

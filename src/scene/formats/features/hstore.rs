@@ -6,8 +6,8 @@ use serde_json::{Map, Value};
 /// Columns that hold tags: as GDAL names them, and as tables of OpenStreetMap for programs do.
 const COLUMNS: [&str; 2] = ["other_tags", "tags"];
 
-/// Adds the tags in these columns to the attributes, from a text or from an object. A tag that has a
-/// column of its own keeps the value of the column.
+/// Adds the tags in these columns to the attributes, from a text or from an object. A tag that has
+/// a column of its own keeps the value of the column.
 pub(super) fn unfold(attributes: &mut Map<String, Value>) {
     for column in COLUMNS {
         let found: Map<String, Value> = match attributes.get(column) {
