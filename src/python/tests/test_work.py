@@ -108,7 +108,7 @@ def test_ctrl_c_stops_a_build(scene: heliotile.Scene, tmp_path: Path) -> None:
         heliotile.build(scene, receivers, path, quality="fine", checkpoint=0, progress=interrupted)
     interrupted.thread.join()
     assert not path.exists() and (tmp_path / "site.helio.partial").is_file()
-    with pytest.raises(heliotile.IncompleteError, match="fresh=True"):
+    with pytest.raises(heliotile.IncompleteError, match="fresh to discard it"):
         heliotile.build(scene, receivers, path, quality="draft")
     went_on = heliotile.build(scene, receivers, path, quality="fine")
     whole = heliotile.build(scene, receivers, tmp_path / "whole.helio", quality="fine")
