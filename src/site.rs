@@ -205,7 +205,7 @@ impl Site {
     /// Writes the irradiance under the conditions of a table. Returns a sentence about what was
     /// written, if there is one.
     pub fn query(&self, request: &QueryRequest, files: &FileRequest, resources: &Resources) -> Result<Option<String>> {
-        self.write(&Illumination::Conditions(request.clone()), files, resources)
+        self.write(&Illumination::Conditions(Box::new(request.clone())), files, resources)
     }
 
     /// Writes the irradiance over a weather file. Returns a sentence about what was written, if

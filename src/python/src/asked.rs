@@ -267,7 +267,7 @@ impl Filled {
             Forcing::Conditions(source) => {
                 let request = QueryRequest { light, conditions: given.source(source).into() };
                 request.check()?;
-                ("query", Illumination::Conditions(request))
+                ("query", Illumination::Conditions(Box::new(request)))
             }
             Forcing::Weather(replay) => {
                 options.extend(replay.options());

@@ -47,7 +47,7 @@ pub enum Illumination {
     /// Suns and skies of a weather file.
     Weather(Box<ReplayRequest>),
     /// Suns and skies of a table of conditions.
-    Conditions(QueryRequest),
+    Conditions(Box<QueryRequest>),
 }
 
 impl Illumination {

@@ -440,7 +440,7 @@ impl CompareArgs {
             }
             (None, Some(conditions)) => {
                 let (light, conditions) = (self.common.light()?, conditions.clone().into());
-                Illumination::Conditions(QueryRequest { light, conditions })
+                Illumination::Conditions(Box::new(QueryRequest { light, conditions }))
             }
             (None, None) => return Err(Error::argument("weather, conditions", "neither is given", "give one of them")),
         };

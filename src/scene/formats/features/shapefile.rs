@@ -107,7 +107,7 @@ fn without_false_dates(table: &[u8]) -> Vec<u8> {
     // A field is described by 32 bytes: its type at 11, its length at 16. A row starts with a mark.
     let described = table.get(32..header.min(table.len())).unwrap_or_default();
     let (mut at, mut dates) = (1, Vec::new());
-    for field in described.chunks_exact(32).take_while(|field| field[0] != b'\r') {
+    for field in described.as_chunks::<32>().0.iter().take_while(|field| field[0] != b'\r') {
         let end = at + usize::from(field[16]);
         if field[11] == b'D' {
             dates.push(at..end);
