@@ -73,9 +73,9 @@ pub use heliotile_core::units::direction_from_degrees;
 pub use heliotile_core::weather::conditions::Condition;
 pub use heliotile_results::site_build::check_output;
 pub use heliotile_results::{
-    CompareRequest, ConditionSource, CoverRequest, Every, FileRequest, Illumination, LightChoice, Provenance,
-    QueryRequest, ReceiverChoice, ReceiverSource, ReplayRequest, Resources, SiteArchiveRequest, SiteBuild, SiteFolder,
-    Tile,
+    CompareRequest, ConditionSource, CoverRequest, Every, FileRequest, FolderOption, Illumination, LightChoice,
+    Provenance, QueryRequest, ReceiverChoice, ReceiverSource, ReplayRequest, Resources, SiteArchiveRequest, SiteBuild,
+    SiteFolder, Tile,
 };
 pub use heliotile_scene::Scene;
 pub use heliotile_scene::request::SceneRequest;

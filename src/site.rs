@@ -147,7 +147,7 @@ impl Site {
     /// Returns the archive. An error: the site is an atlas of several.
     pub fn only(&self) -> Result<&Archive> {
         self.archives().only().ok_or_else(|| {
-            let hint = "use its archives one by one: Atlas.archives()";
+            let hint = "open the archive of each part by itself";
             Error::argument("archive", "is an atlas of several archives", hint)
         })
     }
@@ -349,7 +349,7 @@ impl Site {
         SunlightSite { archives: self.archives(), receivers, place: &self.place, folder }
     }
 
-    /// Writes an archive of the chosen receivers. Of an atlas, one part has to hold them all.
+    /// Writes an archive of the chosen receivers. An atlas of several archives is refused.
     pub fn extract(
         &self,
         output: &Path,

@@ -84,9 +84,12 @@ impl ReceiverTiles {
         Ok(None)
     }
 
-    /// Sorts receivers that are in memory into tiles. Errors: a number that is not finite, a normal
-    /// that is none, a name that is empty or there twice.
+    /// Sorts receivers that are in memory into tiles. Errors: no receiver, a number that is not
+    /// finite, a normal that is none, a name that is empty or there twice.
     pub fn checked(receivers: &[Receiver], origin: DVec3, folder: &Path, budget_bytes: usize) -> Result<Self> {
+        if receivers.is_empty() {
+            return Err(Error::argument("receivers", "there are none", "give at least one"));
+        }
         let mut names = HashSet::new();
         for (row, Receiver { id, position, normal, .. }) in receivers.iter().enumerate() {
             let refuse = |what: &str| {

@@ -5,7 +5,6 @@
 //! shapes in the .shp says nothing. A row that is marked as deleted takes its shape with it.
 
 use std::io::Cursor;
-use std::ops::Range;
 use std::path::Path;
 
 use encoding_rs::{Encoding, UTF_8, WINDOWS_1252};
@@ -116,22 +115,12 @@ fn without_false_dates(table: &[u8]) -> Vec<u8> {
     }
     for row in table.get_mut(header..).unwrap_or_default().chunks_mut(length) {
         for date in &dates {
-            if let Some(cell) = row.get_mut(date.clone()).filter(|cell| !is_date(cell)) {
+            if let Some(cell) = row.get_mut(date.clone()).filter(|cell| dbase::Date::from_bytes(cell).is_err()) {
                 cell.fill(b' ');
             }
         }
     }
     table
-}
-
-/// Returns true if a cell is a date: YYYYMMDD.
-fn is_date(cell: &[u8]) -> bool {
-    let text = std::str::from_utf8(cell).ok().filter(|text| text.bytes().all(|byte| byte.is_ascii_digit()));
-    let number = |range: Range<usize>| text.and_then(|text| text.get(range)?.parse::<u32>().ok());
-    let (month, day) = (number(4..6), number(6..8));
-    cell.len() == 8
-        && month.is_some_and(|month| (1..=12).contains(&month))
-        && day.is_some_and(|day| (1..=31).contains(&day))
 }
 
 /// Returns the encoding of the texts of a table: that of the .cpg, else of the language driver in
