@@ -22,10 +22,10 @@ use heliotile_core::replay::components::{Component, ComponentList, ComponentSet}
 use heliotile_core::site::material::Material;
 use heliotile_remote::places::open_archive;
 use heliotile_results::{
-    Archives, BeforeSide, BuildingsRequest, BuildingsSummary, ComfortDone, ComfortRequest, CompareRequest,
+    Archives, BeforeSide, BinLabels, BuildingsRequest, BuildingsSummary, ComfortDone, ComfortRequest, CompareRequest,
     CompareSummary, Every, FactorsRequest, FileRequest, Illumination, LightChoice, PlacesRequest, PlacesSummary,
-    Provenance, QueryRequest, ReceiverChoice, ReceiverSet, ReplayRequest, Resources, RowLabels, Series, Sources,
-    SunlightDone, SunlightRequest, SunlightSite, Tile, TileStream,
+    Provenance, QueryRequest, ReceiverChoice, ReceiverSet, ReplayRequest, Resources, Series, Sources, SunlightDone,
+    SunlightRequest, SunlightSite, Tile, TileStream,
 };
 
 /// Options of how a site is opened.
@@ -390,7 +390,7 @@ impl SiteReplay<'_> {
     }
 
     /// Returns the labels of the bins: names of conditions, or times.
-    pub fn labels(&self) -> &RowLabels {
+    pub fn bins(&self) -> &BinLabels {
         &self.series.labels
     }
 

@@ -337,6 +337,7 @@ mod tests {
             latitude_deg: Some(52.0),
             longitude_deg: Some(4.3),
             rotate_deg: Some(10.0),
+            grid_north: false,
             elevation_m: Some(2.0),
             scale: Some(0.001),
             up: Some(UpAxis::Z),

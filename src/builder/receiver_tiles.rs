@@ -15,7 +15,7 @@ use heliotile_core::site::morton::{morton_key, receiver_of_key};
 use heliotile_core::site::patch::Patch;
 use heliotile_core::site::receiver::{Receiver, TILE};
 use heliotile_core::text::excerpt;
-use heliotile_scene::covering::receivers::{ReceiverRows, SurfaceHeight, duplicate, no_receivers};
+use heliotile_scene::points::receivers::{ReceiverRows, duplicate, no_receivers};
 
 /// Receivers in Morton order, in temporary files if they exceed the memory budget.
 pub struct ReceiverTiles {
@@ -28,19 +28,11 @@ pub struct ReceiverTiles {
 }
 
 impl ReceiverTiles {
-    /// Reads a file as [`read_receivers`](heliotile_scene::covering::receivers::read_receivers)
-    /// does, and sorts its receivers around `origin`. Temporary files go to `folder` if
-    /// `budget_bytes` do not suffice. `surface` is what heights count from. `warnings`
-    /// gets the columns that are ignored.
-    pub fn open(
-        path: &Path,
-        origin: DVec3,
-        folder: &Path,
-        budget_bytes: usize,
-        surface: SurfaceHeight,
-        warnings: &mut Vec<String>,
-    ) -> Result<Self> {
-        let mut rows = ReceiverRows::open(path, warnings)?.over(surface);
+    /// Reads rows as [`read_receivers`](heliotile_scene::points::receivers::read_receivers) does, and
+    /// sorts their receivers around `origin`. Temporary files go to `folder` if `budget_bytes` do
+    /// not suffice.
+    pub fn open(mut rows: ReceiverRows, origin: DVec3, folder: &Path, budget_bytes: usize) -> Result<Self> {
+        let path = rows.file();
         let mut by_place = Sorter::new(folder, budget_bytes / 2);
         let mut by_id = Sorter::new(folder, budget_bytes / 2);
         let end = loop {
@@ -272,7 +264,8 @@ mod tests {
 
     use super::*;
     use heliotile_core::site::morton::morton_order;
-    use heliotile_scene::covering::receivers::read_receivers_with_warnings;
+    use heliotile_core::site::north::North;
+    use heliotile_scene::points::receivers::read_receivers_with_warnings;
 
     const ORIGIN: DVec3 = DVec3::new(78_002.0, 457_002.0, 1.0);
 
@@ -288,7 +281,8 @@ mod tests {
 
         fn open(&self, path: &Path, budget: usize) -> Result<(ReceiverTiles, Vec<String>)> {
             let mut warnings = Vec::new();
-            Ok((ReceiverTiles::open(path, ORIGIN, self.0.path(), budget, &|_, _| Ok(None), &mut warnings)?, warnings))
+            let rows = ReceiverRows::open(path, North::default(), &mut warnings)?;
+            Ok((ReceiverTiles::open(rows, ORIGIN, self.0.path(), budget)?, warnings))
         }
     }
 
@@ -320,7 +314,7 @@ mod tests {
         let mut rows = rows(20_000);
         let (folder, path) = Folder::with(&file(&rows));
         let mut plain_warnings = Vec::new();
-        let receivers = read_receivers_with_warnings(&path, &mut plain_warnings).expect("readable");
+        let receivers = read_receivers_with_warnings(&path, North::default(), &mut plain_warnings).expect("readable");
         let order = morton_order(&receivers);
         let plain: Vec<Vec<Receiver>> =
             order.chunks(TILE).map(|tile| tile.iter().map(|&i| receivers[i].clone()).collect()).collect();
@@ -382,12 +376,14 @@ mod tests {
         ] {
             let (folder, path) = Folder::with(&text);
             let message = folder.open(&path, 128 << 10).err().expect("refused").to_string();
-            let plain = read_receivers_with_warnings(&path, &mut Vec::new()).expect_err("refused").to_string();
+            let plain = read_receivers_with_warnings(&path, North::default(), &mut Vec::new())
+                .expect_err("refused")
+                .to_string();
             assert_eq!(message, plain);
             assert!(message.contains(line), "{message}");
         }
         let nowhere = Path::new("/nowhere/receivers.csv");
-        let refused = ReceiverTiles::open(nowhere, ORIGIN, Path::new("/nowhere"), 0, &|_, _| Ok(None), &mut Vec::new());
+        let refused = ReceiverRows::open(nowhere, North::default(), &mut Vec::new());
         let message = refused.err().expect("no file").to_string();
         assert!(message.starts_with("cannot read /nowhere/receivers.csv: "), "{message}");
     }

@@ -109,13 +109,13 @@ pub fn surface_lights(archive: &Archive, asked: &TableRequest) -> Result<Vec<Sur
     one.extend(asked.sky.low().map(|low| low.condition));
     let conditions: Vec<Condition> = states.iter().flat_map(|_| one.clone()).collect();
     let values: Vec<f64> = states.iter().flat_map(|value| std::iter::repeat_n(*value, one.len())).collect();
-    let diffuse = [Component::SunDiffuse, Component::SkyDiffuse, Component::SkySpecular];
+    let diffuse = [Component::SunReflected, Component::SkyReflected, Component::SkyMirrored];
     let means = surface_means(archive, conditions, changes.then_some(&values), &diffuse, asked)?;
     let mut lights: Vec<SurfaceLight> = means.into_iter().map(|means| finish(means, one.len(), asked)).collect();
     if site.orientations().is_empty() {
         return Ok(lights);
     }
-    let mirrored = surface_means(archive, suns(SunGrid::FINE), None, &[Component::SunSpecular], asked)?;
+    let mirrored = surface_means(archive, suns(SunGrid::FINE), None, &[Component::SunMirrored], asked)?;
     // Both lists are sorted by the same names.
     for (light, means) in lights.iter_mut().zip(mirrored) {
         light.mirrored = round_the_circle(means.values, SunGrid::FINE);

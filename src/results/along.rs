@@ -15,7 +15,7 @@ use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::site::patch::Patch;
 use heliotile_scene::Scene;
 use heliotile_scene::covering::cover::MOST_POINTS;
-use heliotile_scene::covering::lines::{TravelLine, TravelPoint, read_lines};
+use heliotile_scene::points::lines::{TravelLine, TravelPoint, read_lines};
 use heliotile_scene::site::Site;
 
 /// Request for receivers along lines of travel.

@@ -75,7 +75,7 @@ impl<'a> FactorRows<'a> {
             (By::Receiver, _) | (_, []) => None,
             (by, [first, ..]) => {
                 let groups = Groups::new(receivers.receivers(), by, first.archive.path())?;
-                Some(GroupMeans::new(groups, &PARTS, grid.labels(), memory.share(Use::SurfaceSums))?)
+                Some(GroupMeans::new(groups, &PARTS, grid.bins(), memory.share(Use::SurfaceSums))?)
             }
         };
         Ok(FactorRows { receivers, grid, settings, means })

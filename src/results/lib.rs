@@ -105,5 +105,5 @@ pub use crate::outputs::periods::Every;
 pub use crate::outputs::provenance::Provenance;
 pub use crate::outputs::pv::hourly::{ONE_SIDE, SideHours};
 pub use crate::outputs::tables::ArrowRows;
-pub use crate::outputs::tables::layout::{By, Fact, Labels, Layout};
-pub use crate::outputs::tables::row_labels::{Instants, Precision, RowLabels};
+pub use crate::outputs::tables::bin_labels::{BinLabels, Instants, Precision};
+pub use crate::outputs::tables::layout::{BinKind, By, Fact, Layout};

@@ -12,8 +12,8 @@ use super::request::{ConditionSource, QueryRequest, ReplayRequest};
 use super::resources::Resources;
 use crate::outputs::periods::{ClockReading, Every, Periods};
 use crate::outputs::provenance::Provenance;
-use crate::outputs::tables::layout::Labels;
-use crate::outputs::tables::row_labels::RowLabels;
+use crate::outputs::tables::bin_labels::BinLabels;
+use crate::outputs::tables::layout::BinKind;
 use heliotile_core::archive::Archive;
 use heliotile_core::error::Result;
 use heliotile_core::light::states::Schedule;
@@ -37,11 +37,11 @@ pub struct Series {
     /// Suns and skies.
     pub conditions: Arc<Vec<Condition>>,
     /// Kind of the labels, which also decides the unit.
-    pub kind: Labels,
+    pub kind: BinKind,
     /// Period of a row; `None` in a query.
     pub every: Option<Every>,
     /// Labels of the rows of a receiver.
-    pub labels: RowLabels,
+    pub labels: BinLabels,
     /// Label that each condition adds to.
     pub bins: Bins,
     /// Description of the conditions in words, for pictures.
@@ -83,11 +83,11 @@ impl Clock {
 impl Series {
     /// Returns a series of the conditions of a table.
     pub fn of_conditions(conditions: Vec<Condition>, changes: Changes, provenance: Provenance) -> Self {
-        let labels = RowLabels::words(conditions.iter().map(|condition| condition.label.clone()).collect());
+        let labels = BinLabels::words(conditions.iter().map(|condition| condition.label.clone()).collect());
         Series {
             bins: Bins::each(labels.len()),
             conditions: Arc::new(conditions),
-            kind: Labels::Conditions,
+            kind: BinKind::Conditions,
             every: None,
             labels,
             called: String::new(),
@@ -143,9 +143,9 @@ impl Series {
         let series = Series {
             bins: Bins::each(conditions.len()),
             conditions: Arc::new(conditions),
-            kind: Labels::Times,
+            kind: BinKind::Times,
             every: Some(Every::Hour),
-            labels: RowLabels::words(Vec::new()),
+            labels: BinLabels::words(Vec::new()),
             called: String::new(),
             source: request.weather.clone(),
             reflectances: Reflectances::Dated(
@@ -171,8 +171,8 @@ impl Series {
         let Some(clock) = &self.clock else { return self.clone() };
         let periods = clock.periods(every);
         let (kind, bins) = match every {
-            Every::Hour => (Labels::Times, Bins::each(self.conditions.len())),
-            _ => (Labels::Sums, periods.bins()),
+            Every::Hour => (BinKind::Times, Bins::each(self.conditions.len())),
+            _ => (BinKind::Sums, periods.bins()),
         };
         Series { kind, bins, labels: periods.labels, every: Some(every), ..self.clone() }
     }

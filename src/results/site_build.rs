@@ -27,6 +27,7 @@ use heliotile_core::site::receiver::Receiver;
 use heliotile_remote::naming::{is_address, shown};
 use heliotile_remote::places::open_archive;
 use heliotile_scene::Scene;
+use heliotile_scene::points::receivers::ReceiverCsv;
 use heliotile_scene::request::SceneRequest;
 use heliotile_scene::site::Site;
 
@@ -36,8 +37,8 @@ pub const KEEP_OR_REPLACE: &str = "give {output} FOLDER to keep both, or {replac
 /// Receivers of a build.
 #[derive(Clone, Copy)]
 pub enum ReceiverSource<'a> {
-    /// Table of receivers.
-    Table(&'a Path),
+    /// Table of receivers, a file or its text in memory.
+    Table(ReceiverCsv<'a>),
     /// Receivers in memory, in coordinates of the scene.
     Rows(&'a [Receiver]),
     /// Receivers on surfaces. [`SiteBuild::ensure`] writes their table too.
@@ -53,12 +54,18 @@ pub enum ReceiverSource<'a> {
 
 impl<'a> From<&'a Path> for ReceiverSource<'a> {
     fn from(table: &'a Path) -> Self {
-        ReceiverSource::Table(table)
+        ReceiverSource::Table(table.into())
     }
 }
 
 impl<'a> From<&'a PathBuf> for ReceiverSource<'a> {
     fn from(table: &'a PathBuf) -> Self {
+        ReceiverSource::from(table.as_path())
+    }
+}
+
+impl<'a> From<ReceiverCsv<'a>> for ReceiverSource<'a> {
+    fn from(table: ReceiverCsv<'a>) -> Self {
         ReceiverSource::Table(table)
     }
 }
@@ -211,7 +218,7 @@ impl<'a> SiteBuild<'a> {
     ) -> Result<(ReceiverTiles, Option<PlannedReceivers>)> {
         let scene = self.scene;
         match self.receivers {
-            ReceiverSource::Table(path) => Ok((workspace.read_receivers(path, scene, observer)?, None)),
+            ReceiverSource::Table(table) => Ok((workspace.read_receivers(table, scene, observer)?, None)),
             ReceiverSource::Rows(rows) => Ok((workspace.sort_receivers(rows, scene, observer)?, None)),
             ReceiverSource::Placed { placed, offset_m, .. } => {
                 let planned = PlannedReceivers::write(placed, offset_m, folder)?;

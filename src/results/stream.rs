@@ -10,7 +10,7 @@ use super::request::LightChoice;
 use super::resources::Resources;
 use super::series::{Coarsening, Series};
 use crate::outputs::provenance::Provenance;
-use crate::outputs::tables::layout::Labels;
+use crate::outputs::tables::layout::BinKind;
 use heliotile_core::archive::Archive;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::observer::{Observer, Silent, Stage};
@@ -234,7 +234,7 @@ impl<'a> TileStream<'a> {
             pass.schedules = series.schedules(archive, &pass.site, elsewhere, &quietly)?;
         }
         let builder = Replay::builder(site, &series.conditions, settings).summed(&series.bins).scheduled(&schedules);
-        builder.with_bands(&bands, series.kind == Labels::Sums).build()
+        builder.with_bands(&bands, series.kind == BinKind::Sums).build()
     }
 }
 

@@ -65,6 +65,7 @@ pub mod objects;
 mod palette;
 pub mod placing;
 mod plan;
+pub mod points;
 mod polygon;
 pub mod pv;
 pub mod reference;
@@ -98,6 +99,7 @@ use heliotile_core::observer::Observer;
 use heliotile_core::site::content::ContentHasher;
 use heliotile_core::site::ground::MonthlyGround;
 use heliotile_core::site::material::Material;
+use heliotile_core::site::north::North;
 use heliotile_core::site::place::Place;
 use heliotile_core::site::scene_object::SceneObject;
 use materials::MaterialUse;
@@ -115,6 +117,9 @@ pub struct Scene {
     pub objects: MeshObjects,
     /// Place on Earth, if a file states it; not hashed by [`Scene::content_hash`].
     pub place: Option<Place>,
+    /// True if azimuths in tables of points count from the y axis, in place of true north; not hashed
+    /// by [`Scene::content_hash`].
+    pub grid_north: bool,
     /// Monthly ground reflectances, if an EnergyPlus model states them; the ground's material has
     /// their mean. Not hashed by [`Scene::content_hash`].
     pub ground: Option<MonthlyGround>,
@@ -154,6 +159,11 @@ impl LoadReport {
 }
 
 impl Scene {
+    /// Returns the north that azimuths in tables of points count from.
+    pub fn table_north(&self) -> North {
+        if self.grid_north { North::default() } else { North::of(self.place.as_ref()) }
+    }
+
     /// Builds a scene from triangles in input coordinates, each with its index into `materials`, as
     /// if they were read from a file.
     pub fn from_triangles(triangles: &[([DVec3; 3], u16)], materials: Vec<Material>) -> Result<Scene> {
@@ -239,7 +249,7 @@ impl Scene {
         };
         let objects =
             if known_objects.is_empty() { MeshObjects::default() } else { MeshObjects::of(&known_objects, objects) };
-        Ok(Scene { mesh, materials, objects, place: None, ground: None, report })
+        Ok(Scene { mesh, materials, objects, place: None, grid_north: false, ground: None, report })
     }
 
     /// Returns the BLAKE3 hash of [`Scene::content_hash`] and the objects. Two scenes that an

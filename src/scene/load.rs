@@ -578,7 +578,8 @@ impl Pile {
             faces,
             source_faces,
         };
-        Ok((Scene { mesh, materials, objects: mesh_objects, place, ground: by_month, report }, soup))
+        let grid_north = site.frame.grid_north;
+        Ok((Scene { mesh, materials, objects: mesh_objects, place, grid_north, ground: by_month, report }, soup))
     }
 }
 

@@ -324,7 +324,8 @@ fn read_site(path: &Path, materials: Option<&Path>) -> Result<Site> {
         return Err(Error::input(path, None, "lists no scene", KEYS));
     }
     let FrameEntry { epsg, latitude_deg, longitude_deg, rotate_deg, elevation_m, scale, up } = document.site;
-    let stated = SiteFrame { epsg, latitude_deg, longitude_deg, rotate_deg, elevation_m, scale, up };
+    let grid_north = false;
+    let stated = SiteFrame { epsg, latitude_deg, longitude_deg, rotate_deg, grid_north, elevation_m, scale, up };
     let frame = stated.checked().map_err(|what| Error::input(path, None, format!("the table [site]: {what}"), KEYS))?;
     Ok(Site { parts, frame, ..Site::default() })
 }

@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { after, test } from "node:test";
 import { close, DENSE, go, HAGUE, inlined, open, path, random, ready, valuesOnPage, wish } from "./harness.mjs";
 
-const COMPONENTS = ["sun_direct", "sky_direct", "sun_diffuse", "sky_diffuse", "total"];
+const COMPONENTS = ["sun_direct", "sky_direct", "sun_reflected", "sky_reflected", "total"];
 const OWN = [["show", "moment"], ["light", "own"], ["sun", "angles"]];
 after(close);
 

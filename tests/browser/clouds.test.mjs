@@ -5,7 +5,7 @@ import { after, test } from "node:test";
 import { AFTER, close, EPW, go, HAGUE, heliotile, inlined, open, out, parseCsv, ready, savedCsv, wish } from "./harness.mjs";
 import { png } from "./png.mjs";
 
-const COMPONENTS = ["sun_direct", "sky_direct", "sun_diffuse", "sky_diffuse", "sun_specular", "sky_specular", "total"];
+const COMPONENTS = ["sun_direct", "sky_direct", "sun_reflected", "sky_reflected", "sun_mirrored", "sky_mirrored", "total"];
 /** Of the largest value: both round to six or seven figures, and half a sky without the sun is packed as coarsely as a whole one with it. */
 const WITHIN = 2e-4;
 const SUN = { azimuth: 200, altitude: 40, dni: 700, dhi: 90 };

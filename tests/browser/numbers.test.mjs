@@ -4,7 +4,7 @@ import { writeFileSync } from "node:fs";
 import { after, test } from "node:test";
 import { close, EPW, go, HAGUE, heliotile, inlined, open, out, parseCsv, random, savedCsv, valuesOnPage, wish } from "./harness.mjs";
 
-const COMPONENTS = ["sun_direct", "sky_direct", "sun_diffuse", "sky_diffuse", "sun_specular", "sky_specular", "total"];
+const COMPONENTS = ["sun_direct", "sky_direct", "sun_reflected", "sky_reflected", "sun_mirrored", "sky_mirrored", "total"];
 /** Of the largest value: both round to six or seven figures. */
 const WITHIN = 1e-4;
 after(close);

@@ -6,7 +6,7 @@ import { after, test } from "node:test";
 import { AFTER, close, EPW, go, HAGUE, heliotile, inlined, open, out, PAGE, parseCsv, path, random, ready, savedCsv, wish } from "./harness.mjs";
 import { closeServers, serve } from "./server.mjs";
 
-const COMPONENTS = ["sun_direct", "sky_direct", "sun_diffuse", "sky_diffuse", "sun_specular", "sky_specular", "total"];
+const COMPONENTS = ["sun_direct", "sky_direct", "sun_reflected", "sky_reflected", "sun_mirrored", "sky_mirrored", "total"];
 /** Of the largest value: both round to six or seven figures. */
 const WITHIN = 1e-4;
 const programs = [];

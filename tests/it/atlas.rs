@@ -211,7 +211,7 @@ fn ground_goes_on_beyond_the_halo() {
     let at = |name: &str| columns.iter().position(|column| *column == name).expect("a column");
     let number = |row: &str, name: &str| row.split(',').nth(at(name)).and_then(|n| n.parse::<f64>().ok());
     let share = |row: &String| {
-        let reflected = number(row, "sun_diffuse_kwh_m2")? + number(row, "sky_diffuse_kwh_m2")?;
+        let reflected = number(row, "sun_reflected_kwh_m2")? + number(row, "sky_reflected_kwh_m2")?;
         Some(reflected / number(row, "total_kwh_m2")?)
     };
     let most = whole.iter().filter_map(share).fold(0.0, f64::max);

@@ -54,7 +54,7 @@ fn sums_are_those_of_receivers() {
         sums.iter().map(|row| (row["receiver"].as_str(), number(&row["total_kwh_m2"]))).collect();
     let mut known = BTreeMap::<String, f64>::new();
     for row in table(&fs::read_to_string(folder.path("r.csv")).expect("receivers")) {
-        let (area, mean) = (number(&row["area"]), sums[row["receiver"].as_str()]);
+        let (area, mean) = (number(&row["area_m2"]), sums[row["receiver"].as_str()]);
         let normal = ["nx", "ny", "nz"].map(|axis| number(&row[axis]));
         // Quarters of the horizon, computed in another way than the program does.
         let quarter = match (normal[0].abs() > normal[1].abs(), normal[0] > 0.0, normal[1] > 0.0) {

@@ -112,7 +112,7 @@ fn leaves_dim_light_by_beer_and_lambert() {
                     if closed {
                         assert_near("sky", row.sky_direct, condition.dhi_w_m2 * share, 1e-5);
                     }
-                    assert_eq!((row.sun_diffuse, row.sky_diffuse), (0.0, 0.0));
+                    assert_eq!((row.sun_reflected, row.sky_reflected), (0.0, 0.0));
                 }
             }
         }
@@ -241,7 +241,7 @@ fn maps_add_up() {
             };
             dimmed += usize::from(channel("sky", "through").is_some());
             let columns =
-                [("sky", "sun_direct"), ("sky", "sky_direct"), ("hit", "sun_diffuse"), ("hit", "sky_diffuse")];
+                [("sky", "sun_direct"), ("sky", "sky_direct"), ("hit", "sun_reflected"), ("hit", "sky_reflected")];
             for ((part, name), column) in columns.into_iter().zip(row) {
                 let (Some(values), Some(weights)) = (channel(part, name), channel(part, "weight_sr")) else {
                     panic!("{part} has no {name}")
@@ -257,7 +257,7 @@ fn maps_add_up() {
 }
 
 /// A wall is seen out of a small box of screen, in a large box of gauze: the sun goes through the
-/// gauze, its light from the wall through the screen. sun_diffuse and sky_diffuse are the open ones
+/// gauze, its light from the wall through the screen. sun_reflected and sky_reflected are the open ones
 /// x 0.3 x 0.6, and so are sun_direct and sky_direct, within 1e-5 when all are derived. With the
 /// stored response, reflected light is within three times the RMS that its coding may add to a sun
 /// of 700 or 800 W/m2.

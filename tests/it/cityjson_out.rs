@@ -142,7 +142,7 @@ fn surfaces(folder: &Folder, replay: &str, out: &Value) -> usize {
         let class = &out["appearance"]["materials"][class.as_u64().expect("a colour") as usize];
         assert!(class["name"].as_str().is_some_and(|name| name.starts_with("irradiation ")), "{class}");
         let sum = found.entry((row["object"].clone(), numbers[0], value.as_u64().expect("a surface"))).or_default();
-        let area = number(&row["area"]);
+        let area = number(&row["area_m2"]);
         sum.0 += area;
         sum.1 += area * sums[row["receiver"].as_str()];
     }

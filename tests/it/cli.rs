@@ -89,7 +89,7 @@ fn build_query_and_replay_keep_their_columns() {
     let lines: Vec<&str> = table.lines().collect();
     assert_eq!(
         lines[0],
-        "condition,receiver,sun_direct,sky_direct,sun_diffuse,sky_diffuse,sun_specular,sky_specular,total"
+        "condition,receiver,sun_direct,sky_direct,sun_reflected,sky_reflected,sun_mirrored,sky_mirrored,total"
     );
     assert_eq!(lines.len(), 1 + 2 * 3);
     let roof = lines.iter().find(|l| l.starts_with("noon,roof,")).expect("the roof at noon");

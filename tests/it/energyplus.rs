@@ -114,7 +114,7 @@ fn tables_hold_what_a_query_gives() {
     let suns: [(usize, usize); 3] = [(120, 45), (200, 60), (300, 20)];
     let rows = suns.map(|(azimuth, altitude)| format!("a{azimuth},{azimuth},{altitude},1000,0\n")).concat();
     folder.write("suns.csv", &format!("condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2\n{rows}"));
-    let query = "query out/site.helio --conditions suns.csv --paths none --by surface --reflectance ground=0.2 --columns sun_diffuse";
+    let query = "query out/site.helio --conditions suns.csv --paths none --by surface --reflectance ground=0.2 --columns sun_reflected";
     let output = folder.run(query);
     let lines = stdout(&output);
     let objects = objects(&text(&folder, "out/model.idf"));
@@ -404,7 +404,7 @@ fn removed_surroundings_leave_their_light_in_tables() {
         stdout(&output).lines().filter(|line| line.contains("T12:00")).map(str::to_owned).collect::<Vec<_>>()
     };
     let direct = "--sky perez1990 --columns sun_direct,sky_direct";
-    let reflected = "--sky uniform --paths none --reflectance ground=0.2 --columns sun_diffuse,sky_diffuse,sun_specular,sky_specular";
+    let reflected = "--sky uniform --paths none --reflectance ground=0.2 --columns sun_reflected,sky_reflected,sun_mirrored,sky_mirrored";
     let all =
         [("site.helio", direct), ("stripped.helio", direct), ("site.helio", reflected)].map(|(a, m)| replayed(a, m));
     for surface in ["East", "North", "Roof", "South window", "West door"] {

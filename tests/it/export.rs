@@ -90,9 +90,9 @@ fn maps_sum_to_results() {
             for (map, name, expected) in [
                 ("sky", "sun_direct", rows[0].sun_direct),
                 ("sky", "sky_direct", rows[0].sky_direct),
-                ("hit", "sun_diffuse", rows[0].sun_diffuse),
-                ("hit", "sky_diffuse", rows[0].sky_diffuse),
-                ("response", "sky_diffuse", rows[0].sky_diffuse),
+                ("hit", "sun_reflected", rows[0].sun_reflected),
+                ("hit", "sky_reflected", rows[0].sky_reflected),
+                ("response", "sky_reflected", rows[0].sky_reflected),
             ] {
                 let sum = weighted(&maps, map, name);
                 let most = 1e-3 * expected.max(1.0) + coded(map, depth, light);
@@ -109,7 +109,7 @@ fn maps_sum_to_results() {
 }
 
 /// For eight receivers in a town with mirrors and glass, under four lights, one and all bounces,
-/// each of the six columns is the sum of its map times `weight_sr`. sky_direct and sky_specular are
+/// each of the six columns is the sum of its map times `weight_sr`. sky_direct and sky_mirrored are
 /// within 0.5 % (replay reads coarser texels; the latter by Perez 1990 within 2 %), the others
 /// within 0.1 %, or as much of 1 W/m2, and hits also within what coding may add to columns of all
 /// bounces. Surfaces are seen behind one, two and three mirrors. A receiver that sees no sky in
@@ -155,10 +155,10 @@ fn maps_of_mirrors_sum_to_results() {
                 for (column, (map, name)) in [
                     ("sky", "sun_direct"),
                     ("sky", "sky_direct"),
-                    ("hit", "sun_diffuse"),
-                    ("hit", "sky_diffuse"),
-                    ("mirror", "sun_specular"),
-                    ("mirror", "sky_specular"),
+                    ("hit", "sun_reflected"),
+                    ("hit", "sky_reflected"),
+                    ("mirror", "sun_mirrored"),
+                    ("mirror", "sky_mirrored"),
                 ]
                 .into_iter()
                 .enumerate()
@@ -168,8 +168,8 @@ fn maps_of_mirrors_sum_to_results() {
                     let most = match name {
                         // The band at the horizon is several times as bright as the dome, and is
                         // cut at base texels.
-                        "sky_specular" if model == SkyModel::Perez1990 => 2e-2,
-                        "sky_direct" | "sky_specular" => 5e-3,
+                        "sky_mirrored" if model == SkyModel::Perez1990 => 2e-2,
+                        "sky_direct" | "sky_mirrored" => 5e-3,
                         _ => 1e-3,
                     };
                     if expected > 1.0 {
@@ -373,8 +373,12 @@ fn exr_files_sum_to_the_columns_of_a_query() {
     let list = |text: &str| text.split(' ').map(str::to_string).collect::<Vec<_>>();
     let expected = [
         ("sky", 2048, "sky_direct sun_direct visible weight_sr"),
-        ("hit", 32, "cell class material mirrors sky_diffuse sun_diffuse weight_sr"),
-        ("response", 32, "ground.x ground.y ground.z obstruction.x obstruction.y obstruction.z sky_diffuse weight_sr"),
+        ("hit", 32, "cell class material mirrors sky_reflected sun_reflected weight_sr"),
+        (
+            "response",
+            32,
+            "ground.x ground.y ground.z obstruction.x obstruction.y obstruction.z sky_reflected weight_sr",
+        ),
     ];
     assert_eq!(parts(&image), expected.map(|(name, side, channels)| (name.to_string(), side, list(channels))));
     let values = |part: usize, name: &str| -> Vec<f64> {
@@ -387,7 +391,7 @@ fn exr_files_sum_to_the_columns_of_a_query() {
     let table = stdout(&folder.run("query site.helio --conditions conditions.csv"));
     let row = table.lines().find(|l| l.starts_with("noon,south,")).expect("a row");
     let columns: Vec<f64> = row.split(',').skip(2).map(|c| c.parse().expect("a number")).collect();
-    let sums = [sum(0, "sun_direct"), sum(0, "sky_direct"), sum(1, "sun_diffuse"), sum(1, "sky_diffuse")];
+    let sums = [sum(0, "sun_direct"), sum(0, "sky_direct"), sum(1, "sun_reflected"), sum(1, "sky_reflected")];
     for (sum, column) in sums.into_iter().zip(columns) {
         assert!(column > 1.0 && (sum - column).abs() < 1e-3 * column, "{sum} {column}");
     }
@@ -399,7 +403,10 @@ fn exr_files_sum_to_the_columns_of_a_query() {
     let exr::meta::attribute::AttributeValue::Text(text) = about.expect("the attribute").1 else { panic!("no text") };
     let about: serde_json::Value = serde_json::from_str(&text.to_string()).expect("JSON");
     assert_eq!((about["receiver"].as_str(), about["frame"].as_str()), (Some("south"), Some("surface")));
-    assert_eq!((about["normal"][1].as_f64(), about["units"]["sky_diffuse"].as_str()), (Some(-1.0), Some("W/(m2 sr)")));
+    assert_eq!(
+        (about["normal"][1].as_f64(), about["units"]["sky_reflected"].as_str()),
+        (Some(-1.0), Some("W/(m2 sr)"))
+    );
 
     assert_eq!(folder.run("export site.helio --receiver roof -o dark.exr").status.code(), Some(0));
     let dark = read_all_flat_layers_from_file(folder.path("dark.exr")).expect("an EXR file");

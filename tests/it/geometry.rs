@@ -14,6 +14,7 @@ use heliotile_core::observer::Silent;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::Component;
 use heliotile_core::replay::run::{Replay, ReplaySettings};
+use heliotile_core::site::north::North;
 use heliotile_core::site::patch::Patch;
 use heliotile_core::site::place::Place;
 use heliotile_core::site::receiver::Receiver;
@@ -185,7 +186,8 @@ fn patches_come_from_the_table() {
     let folder = Folder::new();
     folder.run("receivers scene.obj -m materials.toml -o grid.csv --spacing 1.5m --on all");
     folder.run("build scene.obj -m materials.toml -r grid.csv -o grid.helio --quality draft");
-    let rows = heliotile_scene::covering::receivers::read_receivers(&folder.path("grid.csv")).expect("receivers");
+    let rows = heliotile_scene::points::receivers::read_receivers(&folder.path("grid.csv"), North::default())
+        .expect("receivers");
     let archive = Archive::open(&folder.path("grid.helio")).expect("an archive");
     let mut shown = Vec::new();
     for tile in 0..archive.tiles() {

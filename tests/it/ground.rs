@@ -37,8 +37,8 @@ fn endless_ground_lights_tilts_by_the_closed_form() {
         let ground = 0.2 * (1.0 - cos) / 2.0;
         let errors = [
             (row.sky_direct / dhi - (1.0 + cos) / 2.0).abs(),
-            (row.sky_diffuse / dhi - ground).abs(),
-            (row.sun_diffuse / direct - ground).abs(),
+            (row.sky_reflected / dhi - ground).abs(),
+            (row.sun_reflected / direct - ground).abs(),
         ];
         println!("tilt {tilt}: sky, its ground, the sun's ground off by {errors:.4?}");
         assert!(errors.iter().all(|error| *error < 0.003), "{tilt}: {errors:?}");
@@ -83,7 +83,8 @@ fn ground_reflectance_follows_months_and_snow() {
         output
     };
     let totals = |options: &str| -> Vec<f64> {
-        let csv = stdout(&run(&format!("replay {options} -w w.epw --every year --columns sun_diffuse,sky_diffuse")));
+        let csv =
+            stdout(&run(&format!("replay {options} -w w.epw --every year --columns sun_reflected,sky_reflected")));
         let row = |line: &str| line.split(',').skip(2).map(|cell| cell.parse::<f64>().expect("a number")).sum();
         // Rows sorted by name: `down`, `wall`.
         let mut lines: Vec<&str> = csv.lines().skip(1).collect();

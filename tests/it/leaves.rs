@@ -10,7 +10,7 @@ use heliotile_builder::settings::{BuildSettings, Effects};
 use heliotile_core::hemisphere::mix;
 use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::light::states::Schedule;
-use heliotile_core::replay::components::Component::{SkyDiffuse, SunDiffuse, Total};
+use heliotile_core::replay::components::Component::{SkyReflected, SunReflected, Total};
 use heliotile_core::site::material::{Class, Material};
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::sky::model::SkyModel;
@@ -161,11 +161,11 @@ fn a_tree_scatters_like_the_reference_path_tracer() {
         for (i, reference) in reference.iter().enumerate() {
             let (row, dark) = (&rows[&of.id][i], &dark[&of.id][i]);
             off.push(
-                row.sun_diffuse + row.sky_diffuse
-                    - reference.mean[SunDiffuse as usize]
-                    - reference.mean[SkyDiffuse as usize],
+                row.sun_reflected + row.sky_reflected
+                    - reference.mean[SunReflected as usize]
+                    - reference.mean[SkyReflected as usize],
             );
-            most = most.max((row.sun_diffuse + row.sky_diffuse) / (dark.sun_diffuse + dark.sky_diffuse) - 1.0);
+            most = most.max((row.sun_reflected + row.sky_reflected) / (dark.sun_reflected + dark.sky_reflected) - 1.0);
             all += reference.mean[Total as usize];
         }
     }

@@ -15,7 +15,7 @@ use heliotile_core::light::fresnel;
 use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::Component;
-use heliotile_core::replay::components::Component::{SkyDirect, SkySpecular, SunDiffuse, SunDirect, SunSpecular};
+use heliotile_core::replay::components::Component::{SkyDirect, SkyMirrored, SunDirect, SunMirrored, SunReflected};
 use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::site::material::{Class, Glass, Material};
 use heliotile_core::site::receiver::Receiver;
@@ -127,7 +127,7 @@ fn one_mirror_reflects_its_share_of_the_sun() {
     let site = built(&triangles, vec![mirror("mirror", 0.0, 0.8), matt("wall", 0.0)], &receivers);
     let suns = suns();
     let conditions: Vec<Condition> = suns.iter().map(|s| s.1.clone()).collect();
-    let rows = site.rows(&conditions, SkyModel::Perez, SunSpecular);
+    let rows = site.rows(&conditions, SkyModel::Perez, SunMirrored);
     let (mut lit, mut near_edges, mut worst) = (0, 0, 0.0_f64);
     for (id, position, normal) in &all {
         let normal = normal.normalize();
@@ -151,9 +151,9 @@ fn one_mirror_reflects_its_share_of_the_sun() {
     println!("one mirror: {lit} lit, {near_edges} near edges, worst {worst:.4} W/m2 of 800");
     assert!(lit > 800 && near_edges < 300, "{lit} {near_edges}");
     // For patches of the sky, the image's view factor of the mirror's opening counts.
-    let back = site.sky_share("behind", SkySpecular);
+    let back = site.sky_share("behind", SkyMirrored);
     assert_eq!(back, 0.0);
-    assert!(site.sky_share("south", SkySpecular) > 0.05);
+    assert!(site.sky_share("south", SkyMirrored) > 0.05);
 }
 
 /// Between two facing mirrors of 0.9, 6 m apart and 8 m high, receivers get by 1, 2 and 3
@@ -173,7 +173,7 @@ fn facing_mirrors_give_the_light_of_the_image_method() {
     let site = built(&triangles, vec![mirror("mirror", 0.0, 0.9)], &receivers);
     let suns = suns();
     let conditions: Vec<Condition> = suns.iter().map(|s| s.1.clone()).collect();
-    let rows = site.rows(&conditions, SkyModel::Perez, SunSpecular);
+    let rows = site.rows(&conditions, SkyModel::Perez, SunMirrored);
     let (mut of_chain, mut skipped, mut worst) = ([0; 4], 0, 0.0_f64);
     for (id, p, normal) in &places {
         let normal = normal.normalize();
@@ -207,14 +207,14 @@ fn facing_mirrors_give_the_light_of_the_image_method() {
     assert!(of_chain[1..].iter().all(|&count| count > 200) && skipped < 2000, "{of_chain:?} {skipped}");
     // Each direction of the upper hemisphere leaves to the sky in the end: the missing light is
     // lost behind the third mirror.
-    let seen = site.sky_share("up", SkyDirect) + site.sky_share("up", SkySpecular);
+    let seen = site.sky_share("up", SkyDirect) + site.sky_share("up", SkyMirrored);
     let lost = site.report.lost_in_mirrors[0];
     println!("facing mirrors: {seen:.4} of the sky is seen, {lost:.4} is lost");
     assert!(seen < 1.0 && 1.0 - seen < lost + 0.01 && lost < 0.3, "{seen} {lost}");
 }
 
 /// A lake of glass-like water lies before a facade: at sun altitudes of 3 to 40 degrees
-/// sun_specular on the facade is DNI n . s times Fresnel's reflectance at that angle, to 1e-3 of it
+/// sun_mirrored on the facade is DNI n . s times Fresnel's reflectance at that angle, to 1e-3 of it
 /// (0.85 of DNI n . s at 3 degrees and 0.11 at 40). A receiver that looks up gets none.
 #[test]
 fn a_lake_reflects_by_fresnel_at_low_sun() {
@@ -224,7 +224,7 @@ fn a_lake_reflects_by_fresnel_at_low_sun() {
     let site = built(&lake, vec![water], &receivers);
     let altitudes = [3.0, 5.0, 10.0, 20.0, 30.0, 40.0];
     let conditions: Vec<Condition> = altitudes.iter().map(|&a| sun(185.0, a, 1000.0, 0.0)).collect();
-    let rows = site.rows(&conditions, SkyModel::Perez, SunSpecular);
+    let rows = site.rows(&conditions, SkyModel::Perez, SunMirrored);
     for ((altitude, condition), got) in altitudes.iter().zip(&conditions).zip(&rows["facade"]) {
         let s = condition.suns[0].sun;
         let share = fresnel::panes(1, s.z);
@@ -240,7 +240,7 @@ fn a_lake_reflects_by_fresnel_at_low_sun() {
 
 /// Before a boundless mirror wall of 0.8 a vertical receiver sees 0.4 of the open sky in it and
 /// none besides. Ground of 0.3, which gets the sky and the sun twice, once by the mirror (0.8),
-/// fills the lower half, half of it in the mirror: sky_diffuse and sun_diffuse are 0.3 x (1 + 0.8)
+/// fills the lower half, half of it in the mirror: sky_reflected and sun_reflected are 0.3 x (1 + 0.8)
 /// / 2 x (the share seen directly + 0.8 x the share seen in the mirror), all within 1.5 %. One and
 /// all bounces are alike.
 #[test]
@@ -256,7 +256,7 @@ fn ground_before_a_mirror_is_lit_twice() {
         println!("{what}: {got:.4}, expected {expected:.4}");
         assert!((got - expected).abs() < 0.015 * expected.max(0.05), "{what}: {got} {expected}");
     };
-    near("sky in the mirror", site.sky_share("at wall", SkySpecular), 0.4);
+    near("sky in the mirror", site.sky_share("at wall", SkyMirrored), 0.4);
     assert!(site.sky_share("at wall", SkyDirect) < 2e-3);
     let floor_gets = (1.0 + 0.8) / 2.0;
     // The part of the lower half between the receiver and the foot of the wall is seen directly: (1
@@ -264,15 +264,15 @@ fn ground_before_a_mirror_is_lit_twice() {
     let direct = 0.5 * (1.0 - 20.0 / 20.0_f64.hypot(0.5));
     let floor_seen = direct + 0.8 * (0.5 - direct);
     let all =
-        |depth| site.rows_at(&[sky_only()], SkyModel::Uniform, Component::SkyDiffuse, depth)["at wall"][0] / 100.0;
+        |depth| site.rows_at(&[sky_only()], SkyModel::Uniform, Component::SkyReflected, depth)["at wall"][0] / 100.0;
     near("floor, sky, all bounces", all(MaxBounces::All), 0.3 * floor_gets * floor_seen);
     near("floor, sky, one bounce", all(MaxBounces::Count(1)), 0.3 * floor_gets * floor_seen);
     let sunny = [sun(180.0, 40.0, 1000.0, 0.0)];
     let horizontal = 1000.0 * 40.0_f64.to_radians().sin();
     let of = |id: &str, component| site.rows(&sunny, SkyModel::Perez, component)[id][0];
-    near("floor, sun", of("at wall", SunDiffuse) / horizontal, 0.3 * 1.8 * floor_seen);
-    near("floor, sun, seen from the wall", of("out", SunDiffuse) / horizontal, 0.3 * 1.8 * 0.5);
-    near("sun in the mirror", of("at wall", SunSpecular), 800.0 * 40.0_f64.to_radians().cos());
+    near("floor, sun", of("at wall", SunReflected) / horizontal, 0.3 * 1.8 * floor_seen);
+    near("floor, sun, seen from the wall", of("out", SunReflected) / horizontal, 0.3 * 1.8 * 0.5);
+    near("sun in the mirror", of("at wall", SunMirrored), 800.0 * 40.0_f64.to_radians().cos());
     assert!(of("at wall", SunDirect) == 0.0);
 }
 
@@ -283,7 +283,7 @@ fn ground_before_a_mirror_is_lit_twice() {
 fn a_wall_reflects_diffusely_and_like_a_mirror() {
     let wall = quad(v(-4000.0, 0.0, -4000.0), v(8000.0, 0.0, 0.0), v(0.0, 0.0, 8000.0), 0);
     let site = built(&wall, vec![mirror("wall", 0.3, 0.5)], &[receiver("r", v(0.0, -3.0, 0.0), DVec3::Y)]);
-    let (specular, diffuse) = (site.sky_share("r", SkySpecular), site.sky_share("r", Component::SkyDiffuse));
+    let (specular, diffuse) = (site.sky_share("r", SkyMirrored), site.sky_share("r", Component::SkyReflected));
     assert!((specular - 0.25).abs() < 0.0025 && (diffuse - 0.15).abs() < 0.0015, "{specular} {diffuse}");
 }
 

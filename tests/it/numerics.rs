@@ -385,7 +385,7 @@ fn exact_angles_give_exact_direct_sun() {
             let expected = if s.z > 1e-12 { 900.0 * normal.dot(*s).max(0.0) } else { 0.0 };
             assert!((row.sun_direct - expected).abs() < 1e-3, "{id} {s}: {} for {expected}", row.sun_direct);
             assert!(
-                [row.sky_direct, row.sun_diffuse, row.sky_diffuse, row.total]
+                [row.sky_direct, row.sun_reflected, row.sky_reflected, row.total]
                     .iter()
                     .all(|x| x.is_finite() && *x >= 0.0)
             );

@@ -206,7 +206,7 @@ fn clouds_in_the_south_hide_the_sun_there() {
 
 /// For a cube with a mirror front on grass, under clouds by condition that let a quarter through
 /// and all of it, each of the six columns is a quarter of that under a clear sky (1e-5 of the
-/// total), or the same; sun_diffuse and sun_specular are among them.
+/// total), or the same; sun_reflected and sun_mirrored are among them.
 #[test]
 fn clouds_dim_every_path() {
     let folder = Folder::new();
@@ -227,7 +227,8 @@ fn clouds_dim_every_path() {
         rows(&folder, "query site.helio --conditions conditions.csv"),
         rows(&folder, "query site.helio --conditions conditions.csv --clouds clouds.csv"),
     );
-    let columns = ["sun_direct", "sky_direct", "sun_diffuse", "sky_diffuse", "sun_specular", "sky_specular", "total"];
+    let columns =
+        ["sun_direct", "sky_direct", "sun_reflected", "sky_reflected", "sun_mirrored", "sky_mirrored", "total"];
     for (condition, share) in [("noon", 0.25), ("later", 1.0)] {
         for receiver in ["lawn", "south"] {
             let of = |rows: &Rows, column: &str| value(rows, condition, receiver, column);
@@ -237,7 +238,7 @@ fn clouds_dim_every_path() {
             }
         }
     }
-    for column in ["sun_diffuse", "sun_specular", "sky_specular"] {
+    for column in ["sun_reflected", "sun_mirrored", "sky_mirrored"] {
         assert!(plain.values().any(|row| row[column] > 1.0), "{column}");
     }
 }

@@ -95,7 +95,7 @@ fn reflected_light_splits_into_ground_and_obstructions() {
     let site = site(&mirror_town(), &many()[..64], &coarse());
     let archive = Archive::open(&site.path).expect("an archive");
     let of_ground = |value: f64| [ground_of(&OpenSite::of(&archive).expect("a site"), value, 24)];
-    let wholes = [Component::SunDiffuse, Component::SkyDiffuse];
+    let wholes = [Component::SunReflected, Component::SkyReflected];
     for paths in [LightPaths::ALL, LightPaths::FIRST] {
         let found = light(&site, paths, &[]);
         for whole in wholes {
@@ -127,13 +127,13 @@ fn paths_left_out_take_their_light_away() {
     let [mirrors, matt] = [mirror_town(), matt].map(|scene| site(&scene, &many()[..64], &coarse()));
     let (all, none) = (light(&mirrors, LightPaths::ALL, &[]), light(&mirrors, LightPaths::FIRST, &[]));
     let one = light(&matt, MaxBounces::Count(1).into(), &[]);
-    for part in [Component::SunDiffuse, Component::SkyDiffuse] {
+    for part in [Component::SunReflected, Component::SkyReflected] {
         assert!(mean(&one, part) > 1.0);
         assert!(off(&none, &[part], &one, part) < 2e-3, "{part:?}: {}", off(&none, &[part], &one, part));
     }
-    assert_eq!(off(&none, &[Component::SunSpecular], &all, Component::SunSpecular), 0.0);
-    assert!(mean(&all, Component::SunSpecular) > 1.0 && mean(&all, Component::SkySpecular) > 1.0);
-    assert_eq!(mean(&none, Component::SkySpecular), 0.0);
+    assert_eq!(off(&none, &[Component::SunMirrored], &all, Component::SunMirrored), 0.0);
+    assert!(mean(&all, Component::SunMirrored) > 1.0 && mean(&all, Component::SkyMirrored) > 1.0);
+    assert_eq!(mean(&none, Component::SkyMirrored), 0.0);
     let total = |text: &str| mean(&light(&mirrors, text.parse().expect("paths"), &[]), Component::Total);
     let whole = total("all");
     for (text, component) in [
@@ -169,7 +169,7 @@ fn factors_add_up() {
         {
             let of_sun = 700.0 * (sun_o + mirrored + 0.3 * altitude.to_radians().sin() * sun_g);
             let found = of_sun + 90.0 * (sky_o + 0.3 * sky_g);
-            let three = [Component::SunDiffuse, Component::SkyDiffuse, Component::SunSpecular];
+            let three = [Component::SunReflected, Component::SkyReflected, Component::SunMirrored];
             let direct: f64 = three.iter().map(|c| f64::from(expected[0].1.row(*c, receiver)[sun])).sum();
             (largest, most) = (largest.max((found - direct).abs()), most.max(direct));
         }

@@ -36,7 +36,7 @@ fn tilts_see_sky_and_ground_by_the_closed_form() {
         let row = rows[&format!("{tilt}")];
         let cos = tilt.to_radians().cos();
         assert_near(&format!("sky at {tilt}"), row.sky_direct, OPEN * (1.0 + cos) / 2.0, 0.003);
-        assert_near(&format!("ground at {tilt}"), row.sky_diffuse, 0.2 * OPEN * (1.0 - cos) / 2.0, 0.01);
+        assert_near(&format!("ground at {tilt}"), row.sky_reflected, 0.2 * OPEN * (1.0 - cos) / 2.0, 0.01);
     }
 }
 
@@ -58,7 +58,7 @@ fn a_wall_hides_its_form_factor_of_the_sky() {
         let rows = site(&scene(&wall, &[0.6]), &north, &BuildSettings::default()).uniform();
         assert_near(&format!("wall at {d} m"), rows["north"].sky_direct, OPEN * (1.0 - view_factor) / 2.0, 0.003);
         let sent = OPEN * 0.6 * 0.5 * view_factor;
-        assert_near(&format!("light of wall at {d} m"), rows["north"].sky_diffuse, sent, 0.01);
+        assert_near(&format!("light of wall at {d} m"), rows["north"].sky_reflected, sent, 0.01);
     }
 }
 
@@ -103,7 +103,7 @@ fn a_huge_wall_gives_its_light_and_no_sky() {
     let rows =
         site(&scene(&wall, &[0.5]), &[receiver("r", DVec3::ZERO, DVec3::Y)], &BuildSettings::default()).uniform();
     assert_near("sky", rows["r"].sky_direct, 0.0, 0.003);
-    assert_near("light", rows["r"].sky_diffuse, OPEN * 0.5 * 0.5, 0.01);
+    assert_near("light", rows["r"].sky_reflected, OPEN * 0.5 * 0.5, 0.01);
 }
 
 /// White furnace: with every albedo 1 under a uniform sky each receiver gets pi L = DHI, within 1
@@ -251,9 +251,9 @@ fn geometric_series(shift: DVec3, [of_sky, of_sun]: [f64; 2]) {
         (MaxBounces::All, 1.0 / (1.0 - q)),
     ] {
         for (id, rows) in site.replay(&conditions, SkyModel::Uniform, depth) {
-            let sky = rows[0].sky_diffuse;
+            let sky = rows[0].sky_reflected;
             assert_near(&format!("sky at {id}, {depth:?}"), sky, 0.25 * OPEN * q * series, of_sky);
-            let sun = 100.0 * rows.iter().map(|row| row.sun_diffuse).sum::<f64>() / horizontal;
+            let sun = 100.0 * rows.iter().map(|row| row.sun_reflected).sum::<f64>() / horizontal;
             assert_near(&format!("sun at {id}, {depth:?}"), sun, 100.0 * 0.8 * let_in * series, of_sun);
         }
     }

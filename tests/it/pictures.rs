@@ -127,7 +127,7 @@ fn bars_are_the_sums_of_months() {
     let plots = "--plot months.svg --plot sum.png";
     good(&folder, &format!("replay site.helio -w {} --every month {plots} -o months.csv", year().display()));
     let areas: BTreeMap<String, f64> =
-        table(&folder, "r.csv").iter().map(|row| (row["receiver"].clone(), number(row, "area"))).collect();
+        table(&folder, "r.csv").iter().map(|row| (row["receiver"].clone(), number(row, "area_m2"))).collect();
     let whole: f64 = areas.values().sum();
     let svg = fs::read_to_string(folder.path("months.svg")).expect("a chart");
     let (top, rects, rows) = (end_of_scale(&svg), rectangles(&svg), table(&folder, "months.csv"));
@@ -174,7 +174,7 @@ fn carpets_are_the_means_of_hours() {
     let (top, cells) = replay(&year());
     assert_eq!(cells.len(), 288);
     let areas: BTreeMap<String, f64> =
-        table(&folder, "r.csv").iter().map(|row| (row["receiver"].clone(), number(row, "area"))).collect();
+        table(&folder, "r.csv").iter().map(|row| (row["receiver"].clone(), number(row, "area_m2"))).collect();
     let whole: f64 = areas.values().sum();
     let mut means: BTreeMap<(String, String), (f64, BTreeMap<String, ()>)> = BTreeMap::new();
     for row in table(&folder, "hours.csv") {

@@ -194,7 +194,7 @@ fn par_is_its_share_of_sun_and_sky() {
         let ground = 0.05 * (number(row, "x") + 50.0) + 0.2 * (number(row, "y") + 50.0);
         assert!((number(row, "z") - ground - 0.005).abs() < 2e-3, "{row:?}");
     }
-    let reflected = places.iter().map(|row| number(row, "sun_diffuse_kwh_m2")).fold(0.0, f64::max);
+    let reflected = places.iter().map(|row| number(row, "sun_reflected_kwh_m2")).fold(0.0, f64::max);
     assert!(reflected > 0.01, "{reflected}");
 }
 

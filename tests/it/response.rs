@@ -286,7 +286,7 @@ fn sharing_costs_little() {
     let (mut square, mut bias, mut count) = (0.0, 0.0, 0.0);
     for (id, rows) in &a {
         for (x, y) in rows.iter().zip(&b[id]) {
-            let d = x.sun_diffuse - y.sun_diffuse;
+            let d = x.sun_reflected - y.sun_reflected;
             square += d * d;
             bias += d;
             count += 1.0;
@@ -377,7 +377,7 @@ fn coding_adds_little() {
         println!("{component:?}: {rms:.4} of {total:.1} W/m2");
         assert!(rms < 5e-4 * total, "{component:?}: {rms} of {total}");
         // The bound holds for the mean of all directions: 400 suns are off it by a hundredth.
-        assert!(component != Component::SunDiffuse || (1e-3..1.02 * 0.0032 / 16.0 * 558.0).contains(&rms), "{rms}");
+        assert!(component != Component::SunReflected || (1e-3..1.02 * 0.0032 / 16.0 * 558.0).contains(&rms), "{rms}");
     }
 }
 

@@ -61,10 +61,10 @@ fn chosen_columns_are_written_in_their_order() {
     for (place, values) in &two {
         assert_eq!(values[..], [whole[place][6], whole[place][1]]);
     }
-    let (header, one) = table(&folder.run("query site.helio -c conditions.csv --columns sun_diffuse"));
-    assert_eq!((header.as_str(), one.len()), ("condition,receiver,sun_diffuse", 8));
+    let (header, one) = table(&folder.run("query site.helio -c conditions.csv --columns sun_reflected"));
+    assert_eq!((header.as_str(), one.len()), ("condition,receiver,sun_reflected", 8));
     let query = "query site.helio -c conditions.csv --columns";
-    folder.refused(&format!("{query} sun"), &["`sun` is not a known column", "sun_direct", "sky_specular", "total"]);
+    folder.refused(&format!("{query} sun"), &["`sun` is not a known column", "sun_direct", "sky_mirrored", "total"]);
     folder.refused(&format!("{query} total,total"), &["`total` is named twice"]);
     folder.refused(&format!("{query} total,"), &["`` is not a known column"]);
 }

@@ -154,8 +154,8 @@ pub fn sky_only() -> Condition {
 pub struct Row {
     pub sun_direct: f64,
     pub sky_direct: f64,
-    pub sun_diffuse: f64,
-    pub sky_diffuse: f64,
+    pub sun_reflected: f64,
+    pub sky_reflected: f64,
     pub total: f64,
 }
 
@@ -286,8 +286,8 @@ pub fn replay(
             let row = |c: usize| Row {
                 sun_direct: at(Component::SunDirect, c),
                 sky_direct: at(Component::SkyDirect, c),
-                sun_diffuse: at(Component::SunDiffuse, c),
-                sky_diffuse: at(Component::SkyDiffuse, c),
+                sun_reflected: at(Component::SunReflected, c),
+                sky_reflected: at(Component::SkyReflected, c),
                 total: at(Component::Total, c),
             };
             rows.insert(id, (0..conditions.len()).map(row).collect());

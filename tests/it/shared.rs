@@ -10,9 +10,10 @@ use heliotile_core::layers::cells::Cell;
 use heliotile_core::opened::{CellSource, OpenSite};
 use heliotile_core::site::cells::CellKey;
 use heliotile_core::site::material::{Class, Material};
+use heliotile_core::site::north::North;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_scene::Scene;
-use heliotile_scene::covering::receivers::read_receivers_with_warnings;
+use heliotile_scene::points::receivers::read_receivers_with_warnings;
 
 use crate::scenes::*;
 
@@ -64,7 +65,8 @@ fn hague_cut() -> (Triangles, Vec<Material>, Vec<Receiver>) {
     let mesh = &scene.mesh;
     let triangle = |i: usize| (mesh.triangle_points(i).map(|p| p + mesh.origin), mesh.triangle_material[i]);
     let triangles = (0..mesh.triangles.len()).map(triangle).collect();
-    let receivers = read_receivers_with_warnings(&data("receivers.csv"), &mut Vec::new()).expect("receivers");
+    let receivers =
+        read_receivers_with_warnings(&data("receivers.csv"), North::default(), &mut Vec::new()).expect("receivers");
     (triangles, scene.materials, receivers)
 }
 

@@ -66,7 +66,7 @@ fn buried_receivers_are_left_out() {
     };
     assert_eq!(without_faces(&tables[0]), without_faces(&tables[1]));
     let free = rows(&tables[0][0]);
-    let area: f64 = free.iter().map(|row| row["area"].parse::<f64>().expect("a number")).sum();
+    let area: f64 = free.iter().map(|row| row["area_m2"].parse::<f64>().expect("a number")).sum();
     assert_eq!((free.len(), (area - 740.0).abs() < 1e-6), (740, true));
     assert!(free.iter().all(|row| row["receiver"].starts_with(&format!("{}#", row["surface"]))));
     assert!(free.iter().any(|row| row["surface"] == "west/roof1"), "{:?}", free[0]);
@@ -83,7 +83,7 @@ fn receivers_are_chosen_by_kind_and_material() {
     let roofs = folder.run("receivers a.obj --on roof --per-surface 3 --offset 5mm");
     let table = rows(&stdout(&roofs));
     assert_eq!(table.len(), 6);
-    assert!(table.iter().all(|row| row["z"] == "10.0050" && row["area"] == "33.3333" && row["nz"] == "1.000000"));
+    assert!(table.iter().all(|row| row["z"] == "10.0050" && row["area_m2"] == "33.3333" && row["nz"] == "1.000000"));
     assert!(stderr(&roofs).contains("6 receivers on 2 surfaces"), "{}", stderr(&roofs));
     let bricks = rows(&stdout(&folder.run("receivers a.obj --on brick --per-surface 1")));
     // Eight walls but the two between the houses, and two roofs.

@@ -6,8 +6,9 @@ use std::process::{Command, Output};
 
 use heliotile_builder::writing::{Job, Writer};
 use heliotile_core::archive::{Archive, format};
+use heliotile_core::site::north::North;
 use heliotile_scene::Scene;
-use heliotile_scene::covering::receivers::read_receivers;
+use heliotile_scene::points::receivers::read_receivers;
 
 use crate::scenes::{data, hague, hague_of, tiles};
 
@@ -244,7 +245,7 @@ fn interrupted_repairs_are_resumed() {
     let path = site.path("a.helio");
     let archive = Archive::open(&path).expect("an archive");
     let scene = Scene::load(&data("scene.obj"), Some(&data("materials.toml"))).expect("a scene");
-    let receivers = read_receivers(&site.path("a.csv")).expect("receivers");
+    let receivers = read_receivers(&site.path("a.csv"), North::default()).expect("receivers");
     let job = Job {
         scene: scene.named_hash(),
         receivers: tiles(&receivers, &scene).content_hash(),

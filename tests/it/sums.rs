@@ -61,7 +61,7 @@ fn sums_of_suns_are_sums_of_their_hours() {
     let town = site(&mirror_town(), &many()[..64], &settings);
     for (component, sky, bound) in [
         (Component::SunDirect, SkyModel::Uniform, 1e-5),
-        (Component::SunSpecular, SkyModel::Uniform, 1e-5),
+        (Component::SunMirrored, SkyModel::Uniform, 1e-5),
         // Hours of dark horizons are clipped at 0, sums as a whole.
         (Component::SkyDirect, SkyModel::Perez1990, 2e-3),
     ] {

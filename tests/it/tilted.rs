@@ -175,16 +175,16 @@ fn reflected_light_follows_the_formula() {
         for depth in [MaxBounces::All, MaxBounces::Count(1)] {
             for ((site, tilt), rho) in [(&wall, 90.0), (&floor, 0.0)].into_iter().zip(reflectances) {
                 let way = |bins| Way { depth, bins, schedules };
-                let found = &column(site, &lights, Component::SkyDiffuse, &way(&each))["r"];
+                let found = &column(site, &lights, Component::SkyReflected, &way(&each))["r"];
                 for ((condition, found), rho) in lights.iter().zip(found).zip(rho) {
                     let expected = rho * formula(condition, tilt, 180.0);
                     worst = worst.max((found / expected - 1.0).abs());
                     assert!((found / expected - 1.0).abs() < 0.01, "{tilt} {rho}: {found}, not {expected}");
                 }
                 // Wall and floor are of class ground.
-                let of_ground = &column(site, &lights, Component::SkyDiffuseGround, &way(&each))["r"];
+                let of_ground = &column(site, &lights, Component::SkyReflectedGround, &way(&each))["r"];
                 assert!(found.iter().zip(of_ground).all(|(a, b)| (a - b).abs() < 1e-4 * a), "{found:?} {of_ground:?}");
-                let sum = column(site, &lights, Component::SkyDiffuse, &way(&all))["r"][0];
+                let sum = column(site, &lights, Component::SkyReflected, &way(&all))["r"][0];
                 assert!((sum / found.iter().sum::<f64>() - 1.0).abs() < 1e-5, "{sum} {found:?}");
             }
         }
@@ -200,7 +200,7 @@ fn mirrored_light_follows_the_formula() {
     let mirror = Material { specular: 0.8, ..Material::matt("mirror", 0.0, Class::Obstruction) };
     let scene = Scene::from_triangles(&wall, vec![mirror]).expect("a scene");
     let site = site(&scene, &[receiver("r", v(0.0, 0.0, 0.0), v(0.0, 1.0, 0.0))], &fine());
-    let found = &plain(&site, &lights(), Component::SkySpecular)["r"];
+    let found = &plain(&site, &lights(), Component::SkyMirrored)["r"];
     for (condition, found) in lights().iter().zip(found) {
         let expected = 0.8 * formula(condition, 90.0, 180.0);
         assert!((found / expected - 1.0).abs() < 1e-3, "{found}, not {expected}");

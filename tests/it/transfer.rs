@@ -225,7 +225,7 @@ fn an_extract_is_a_build() {
             let (part, whole) = (light("part.helio", sky, depth), light("whole.helio", sky, depth));
             assert_eq!(part.len(), some.len());
             assert!(part.iter().all(|(id, rows)| whole[id] == *rows));
-            assert!(part.values().any(|rows| rows[0].sun_diffuse > 1.0));
+            assert!(part.values().any(|rows| rows[0].sun_reflected > 1.0));
         }
     }
 }

@@ -11,9 +11,10 @@ use heliotile_builder::settings::BuildSettings;
 use heliotile_core::archive::Archive;
 use heliotile_core::hemisphere::{mix, unit};
 use heliotile_core::site::material::{Class, Glass, Material};
+use heliotile_core::site::north::North;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_scene::Scene;
-use heliotile_scene::covering::receivers::read_receivers_with_warnings;
+use heliotile_scene::points::receivers::read_receivers_with_warnings;
 
 use crate::scenes::*;
 
@@ -169,7 +170,8 @@ fn objects(scene: &Scene) -> Vec<Triangles> {
 /// Returns the cut of The Hague with its receivers.
 pub fn hague() -> Model {
     let scene = Scene::load(&data("scene.obj"), Some(&data("materials.toml"))).expect("a scene");
-    let receivers = read_receivers_with_warnings(&data("receivers.csv"), &mut Vec::new()).expect("receivers");
+    let receivers =
+        read_receivers_with_warnings(&data("receivers.csv"), North::default(), &mut Vec::new()).expect("receivers");
     Model { objects: objects(&scene), materials: scene.materials, receivers }
 }
 

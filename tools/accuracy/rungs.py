@@ -19,7 +19,7 @@ import tempfile
 
 from targets import run, write_suns
 
-LIGHTS = {"direct": ("sun_direct", "sky_direct", "sun_specular", "sky_specular"), "sun_diffuse": ("sun_diffuse",), "sky_diffuse": ("sky_diffuse",)}
+LIGHTS = {"direct": ("sun_direct", "sky_direct", "sun_mirrored", "sky_mirrored"), "sun_reflected": ("sun_reflected",), "sky_reflected": ("sky_reflected",)}
 SUNS = 60
 
 

@@ -1,5 +1,4 @@
-"""What runs on a cluster of this machine. In: a cluster, an atlas. Out: which builds there were and with how many threads, workers that were killed,
-CPU seconds."""
+"""What runs on a cluster of this machine. In: a cluster. Out: processes that workers started, workers that were killed, CPU seconds."""
 
 import os
 import random
@@ -13,40 +12,21 @@ import psutil
 LOOK_EVERY = 0.05
 
 
-class Builds(threading.Thread):
-    """Counts the processes that build parts of an atlas while it runs, those of workers that were killed, too."""
+class Children(threading.Thread):
+    """Counts the processes of heliotile that workers start while it runs: builds need none."""
 
-    def __init__(self, atlas):
+    def __init__(self, cluster):
         super().__init__(daemon=True)
-        self.atlas, self.ended = str(atlas), threading.Event()
-        self.begun = {}
-        self.most_at_once = self.most_threads = 0
-        self.most_cores = 0.0
-
-    def running(self):
-        """Processes that build now, by number."""
-        found = {}
-        for process in psutil.process_iter(["cmdline", "status"]):
-            words = process.info["cmdline"] or []
-            if self.atlas in words and "--part" in words and process.info["status"] != psutil.STATUS_ZOMBIE:
-                found[process.pid] = process
-        return found
+        self.cluster, self.ended, self.found = cluster, threading.Event(), set()
 
     def run(self):
         while not self.ended.wait(LOOK_EVERY):
-            found = self.running()
-            for number, process in found.items():
+            for nanny in list(self.cluster.workers.values()):
                 try:
-                    words = process.info["cmdline"]
-                    self.begun.setdefault(number, words[words.index("--part") + 1])
-                    self.most_threads = max(self.most_threads, process.num_threads())
-                    age_s = time.time() - process.create_time()
-                    # Times come in hundredths of a second.
-                    if age_s > 0.5:
-                        self.most_cores = max(self.most_cores, sum(process.cpu_times()[:2]) / age_s)
+                    children = psutil.Process(nanny.pid).children(recursive=True) if nanny.pid else []
+                    self.found |= {child.pid for child in children if "heliotile" in " ".join(child.cmdline())}
                 except psutil.NoSuchProcess:
                     pass
-            self.most_at_once = max(self.most_at_once, len(found))
 
     def __enter__(self):
         self.start()
@@ -58,30 +38,19 @@ class Builds(threading.Thread):
 
 
 class Killer(threading.Thread):
-    """Kills a worker now and then, every second time together with what it builds, as a machine that is lost would; looks at the atlas each time."""
+    """Kills a worker now and then, as a machine that is lost would; looks at the atlas each time."""
 
     def __init__(self, cluster, seed, kills, every_s, look):
         super().__init__(daemon=True)
         self.cluster, self.chance, self.kills, self.every_s, self.look = cluster, random.Random(seed), kills, every_s, look
-        self.ended, self.done, self.with_build, self.looks = threading.Event(), 0, 0, 0
+        self.ended, self.done, self.looks = threading.Event(), 0, 0
 
     def run(self):
         while self.done < self.kills and not self.ended.wait(self.chance.uniform(0.2, 1.8) * self.every_s):
             workers = [nanny.pid for nanny in self.cluster.workers.values() if nanny.pid is not None]
-            # A worker that has only just begun has nothing to lose.
-            builds = {number: psutil.Process(number).children(recursive=True) for number in workers if psutil.pid_exists(number)}
-            busy = [number for number in workers if builds.get(number)]
-            if not busy:
+            if not workers:
                 continue
-            number = self.chance.choice(busy)
-            os.kill(number, signal.SIGKILL)
-            if self.done % 2:
-                for build in builds[number]:
-                    try:
-                        os.kill(build.pid, signal.SIGKILL)
-                    except ProcessLookupError:
-                        pass
-                self.with_build += 1
+            os.kill(self.chance.choice(workers), signal.SIGKILL)
             self.done += 1
             time.sleep(0.05)
             self.looks += self.look()

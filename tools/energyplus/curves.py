@@ -9,21 +9,21 @@ STYLE = "<style>text{font:11px sans-serif;fill:#222}.s{font-size:10px;fill:#555}
 COLUMNS = {
     "direct": ("sun_direct", "sky_direct"),
     "reflected": (
-        "sun_diffuse_obstruction",
-        "sun_diffuse_ground",
-        "sky_diffuse_obstruction",
-        "sky_diffuse_ground",
-        "sun_specular",
+        "sun_reflected_obstruction",
+        "sun_reflected_ground",
+        "sky_reflected_obstruction",
+        "sky_reflected_ground",
+        "sun_mirrored",
     ),
 }
 COLOURS = {
     "sun_direct": "#c9820a",
     "sky_direct": "#2a6fb0",
-    "sun_diffuse_obstruction": "#b3541e",
-    "sun_diffuse_ground": "#0b6e4f",
-    "sky_diffuse_obstruction": "#8d6cab",
-    "sky_diffuse_ground": "#5b8c9e",
-    "sun_specular": "#c2185b",
+    "sun_reflected_obstruction": "#b3541e",
+    "sun_reflected_ground": "#0b6e4f",
+    "sky_reflected_obstruction": "#8d6cab",
+    "sky_reflected_ground": "#5b8c9e",
+    "sun_mirrored": "#c2185b",
 }
 
 

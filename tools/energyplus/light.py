@@ -12,11 +12,11 @@ import parts
 NAMES = {
     "Beam": "sun_direct",
     "Sky Diffuse": "sky_direct",
-    "Beam To Diffuse Surface Reflected": "sun_diffuse_obstruction",
-    "Beam To Diffuse Ground Reflected": "sun_diffuse_ground",
-    "Sky Diffuse Surface Reflected": "sky_diffuse_obstruction",
-    "Sky Diffuse Ground Reflected": "sky_diffuse_ground",
-    "Beam To Beam Surface Reflected": "sun_specular",
+    "Beam To Diffuse Surface Reflected": "sun_reflected_obstruction",
+    "Beam To Diffuse Ground Reflected": "sun_reflected_ground",
+    "Sky Diffuse Surface Reflected": "sky_reflected_obstruction",
+    "Sky Diffuse Ground Reflected": "sky_reflected_ground",
+    "Beam To Beam Surface Reflected": "sun_mirrored",
 }
 LIGHT_W_M2 = 1.0
 # EnergyPlus's sky is that of Perez 1990 for what comes straight from it, and uniform for what is reflected.

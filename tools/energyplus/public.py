@@ -91,7 +91,7 @@ def injected(source, folder, *options):
     with open(out / "receivers.csv", newline="") as file:
         for row in csv.DictReader(file):
             name = row["face"].upper()
-            areas[name] = areas.get(name, 0.0) + float(row["area"])
+            areas[name] = areas.get(name, 0.0) + float(row["area_m2"])
     return out / "model.idf", areas, seconds
 
 

@@ -127,7 +127,7 @@ def ours(model, folder):
     found = {}
     with open(out, newline="") as rows:
         for row in csv.DictReader(rows):
-            area = float(row["area"])
+            area = float(row["area_m2"])
             weighted = [area * float(row[key]) for key in ("nx", "ny", "nz", "x", "y", "z")]
             total, sums = found.get(row["surface"].upper(), (0.0, [0.0] * 6))
             found[row["surface"].upper()] = (total + area, [a + b for a, b in zip(sums, weighted)])

@@ -49,7 +49,7 @@ def measured(scene, name, conditions, weather, folder):
     return Ours(*components(table, scene.ids), build, query, year)
 
 
-SUN, SKY, REFLECTED = ("sun_direct", "sun_specular"), ("sky_direct", "sky_specular"), ("sun_diffuse", "sky_diffuse")
+SUN, SKY, REFLECTED = ("sun_direct", "sun_mirrored"), ("sky_direct", "sky_mirrored"), ("sun_reflected", "sky_reflected")
 
 
 def components(table, ids):

@@ -104,7 +104,7 @@ def city_model(site, model, weather, receivers, year):
     objects, surfaces = defaultdict(lambda: [0.0, 0.0]), defaultdict(lambda: [0.0, 0.0])
     themed = 0
     for row in table(receivers.read_text()):
-        area, total = float(row["area"]), year[row["receiver"]]
+        area, total = float(row["area_m2"]), year[row["receiver"]]
         numbers = [int(n) for n in re.findall(r"\d+", row["face"])]
         shape = found["CityObjects"][row["object"]]["geometry"][numbers[0]]
         value, theme = shape["semantics"]["values"], shape["material"]["irradiation"]["values"]
@@ -184,7 +184,7 @@ def largest_region(receivers):
     for number, (shape, row) in enumerate(zip(shapes, receivers)):
         over = [(shape.intersection(parts[i]).area, int(i)) for i in tree.query(shape)]
         best = max(over, default=(0.0, -1 - number))
-        areas[best[1] if best[0] > 0 else -1 - number] += float(row["area"])
+        areas[best[1] if best[0] > 0 else -1 - number] += float(row["area_m2"])
     return max(areas.values())
 
 
@@ -195,7 +195,7 @@ def buildings(site, weather, receivers, year):
     print(f"       buildings: {seconds:.1f} s, {len(found)} buildings, {len(faces)} roof faces")
     sums, above = defaultdict(lambda: [0.0, 0.0]), defaultdict(list)
     for row in table(receivers.read_text()):
-        area, total = float(row["area"]), year[row["receiver"]]
+        area, total = float(row["area_m2"]), year[row["receiver"]]
         part = {"roof": "roof", "wall": "facade", "window": "facade"}.get(row["kind"])
         if part is None:
             continue

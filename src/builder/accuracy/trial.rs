@@ -71,7 +71,7 @@ pub struct Trial {
 pub struct Irradiances {
     /// Number of conditions, the faster axis of `rows`.
     pub conditions: usize,
-    /// Rows of the six components, and of sun_diffuse and sky_diffuse after a single reflection.
+    /// Rows of the six components, and of sun_reflected and sky_reflected after a single reflection.
     pub rows: Vec<[f32; 8]>,
 }
 
@@ -97,7 +97,7 @@ impl Bench<'_> {
     /// Replays the receivers of an archive with `patches` sky patches.
     pub fn light(&self, archive: &Path, patches: usize) -> Result<Irradiances> {
         let archive = Archive::open_with(archive, Access::Read)?;
-        let (diffuse, conditions) = ([Component::SunDiffuse, Component::SkyDiffuse], self.conditions);
+        let (diffuse, conditions) = ([Component::SunReflected, Component::SkyReflected], self.conditions);
         let mut rows: Vec<[f32; 8]> = Vec::new();
         let storage = TempFiles::new(&self.workspace.folder);
         let settings = |depth: MaxBounces| ReplaySettings {
@@ -154,11 +154,12 @@ impl ErrorSource {
 
     /// Returns the part of a row of [`Irradiances`] that has this source, W/m2.
     pub fn of(self, row: &[f32; 8]) -> f64 {
-        let [sun, sky, sun_diffuse, sky_diffuse, sun_specular, sky_specular, once_sun, once_sky] = row.map(f64::from);
+        let [sun, sky, sun_reflected, sky_reflected, sun_mirrored, sky_mirrored, once_sun, once_sky] =
+            row.map(f64::from);
         match self {
-            ErrorSource::Sky => sun + sky + sun_specular + sky_specular,
+            ErrorSource::Sky => sun + sky + sun_mirrored + sky_mirrored,
             ErrorSource::Seen => once_sun + once_sky,
-            ErrorSource::Bounced => sun_diffuse + sky_diffuse - once_sun - once_sky,
+            ErrorSource::Bounced => sun_reflected + sky_reflected - once_sun - once_sky,
         }
     }
 }

@@ -42,6 +42,7 @@ use heliotile_core::opened::SiteFacts;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_scene::Scene;
 use heliotile_scene::placing::plausible::far_receivers;
+use heliotile_scene::points::receivers::{ReceiverCsv, ReceiverRows};
 use known::Known;
 use preview::Keeping;
 use report::Clock;
@@ -68,7 +69,13 @@ pub struct Workspace {
 impl Workspace {
     /// Reads the receivers of a table into tiles. Warns of ignored columns and of receivers far
     /// from the scene.
-    pub fn read_receivers(&self, path: &Path, scene: &Scene, observer: &dyn Observer) -> Result<ReceiverTiles> {
+    pub fn read_receivers<'a>(
+        &self,
+        table: impl Into<ReceiverCsv<'a>>,
+        scene: &Scene,
+        observer: &dyn Observer,
+    ) -> Result<ReceiverTiles> {
+        let table = table.into();
         let mut warnings = Vec::new();
         let budget = self.memory.length(Use::SortedReceivers);
         // Only a table of heights needs the scene's tree.
@@ -80,9 +87,10 @@ impl Workspace {
             }
             Ok(prepared.get().and_then(|prepared| prepared.top(x, y)).map(|top| top.z))
         };
-        let receivers = ReceiverTiles::open(path, scene.mesh.origin, &self.folder, budget, &surface, &mut warnings)?;
+        let rows = ReceiverRows::open(table, scene.table_north(), &mut warnings)?.over(&surface);
+        let receivers = ReceiverTiles::open(rows, scene.mesh.origin, &self.folder, budget)?;
         let far = |farthest| far_receivers(scene, receivers.bounds(), farthest, receivers.count());
-        warnings.extend(receivers.farthest().and_then(far).map(|far| format!("{}: {far}", path.display())));
+        warnings.extend(receivers.farthest().and_then(far).map(|far| format!("{}: {far}", table.name().display())));
         warnings.iter().for_each(|warning| observer.warn(warning));
         Ok(receivers)
     }

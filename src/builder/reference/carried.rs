@@ -53,8 +53,8 @@ impl Carried {
     /// Adds light of the sun or the sky to the sums of a batch.
     pub fn add(self, of_sun: bool, light: f64, sums: &mut Batch) {
         let [direct, specular, diffuse] = match of_sun {
-            true => [Component::SunDirect, Component::SunSpecular, Component::SunDiffuse],
-            false => [Component::SkyDirect, Component::SkySpecular, Component::SkyDiffuse],
+            true => [Component::SunDirect, Component::SunMirrored, Component::SunReflected],
+            false => [Component::SkyDirect, Component::SkyMirrored, Component::SkyReflected],
         };
         let component = match self.matt {
             0 if self.mirrored => specular,

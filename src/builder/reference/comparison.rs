@@ -15,7 +15,7 @@ use super::random::Random;
 use heliotile_core::replay::components::Component;
 
 /// Components of light that comes from the sun without a matt surface.
-const OF_SUN: [Component; 2] = [Component::SunDirect, Component::SunSpecular];
+const OF_SUN: [Component; 2] = [Component::SunDirect, Component::SunMirrored];
 
 /// Number of resamplings of the receivers behind an interval (Efron 1979, "Bootstrap methods").
 const RESAMPLINGS: usize = 1000;

@@ -53,15 +53,15 @@ impl HourKind {
     pub fn holds(self, light: &[f64; PARTS]) -> bool {
         let of = |component: Component| light[component as usize];
         let total = of(Component::Total);
-        let sun = of(Component::SunDirect) + of(Component::SunSpecular);
-        let is_lit = of(Component::SunDiffuse) > NO_SUN * total && sun < NO_SUN * total;
+        let sun = of(Component::SunDirect) + of(Component::SunMirrored);
+        let is_lit = of(Component::SunReflected) > NO_SUN * total && sun < NO_SUN * total;
         is_lit && (self == HourKind::NoDirectSun || reflected(light) > 0.5 * total)
     }
 }
 
 /// Returns the light that matt surfaces reflect, W/m2.
 fn reflected(light: &[f64; PARTS]) -> f64 {
-    light[Component::SunDiffuse as usize] + light[Component::SkyDiffuse as usize]
+    light[Component::SunReflected as usize] + light[Component::SkyReflected as usize]
 }
 
 /// Receivers in hours of each kind.
@@ -185,8 +185,8 @@ pub fn mix_of(pairs: &[Pair]) -> Vec<HoursMix<'static>> {
 mod tests {
     use super::*;
 
-    fn light(sun: f64, sky: f64, sun_diffuse: f64, sky_diffuse: f64) -> [f64; PARTS] {
-        [sun, sky, sun_diffuse, sky_diffuse, 0.0, 0.0, sun + sky + sun_diffuse + sky_diffuse]
+    fn light(sun: f64, sky: f64, sun_reflected: f64, sky_reflected: f64) -> [f64; PARTS] {
+        [sun, sky, sun_reflected, sky_reflected, 0.0, 0.0, sun + sky + sun_reflected + sky_reflected]
     }
 
     /// 60 W/m2 of reflected light and 40 of sky are both kinds, 40 and 60 only the first. With 2

@@ -99,15 +99,15 @@ fn tilted_receivers_on_open_ground_are_isotropic() {
 }
 
 /// Puts components in the order of light paths used here into that of results.
-fn ordered([sun_direct, sky_direct, sun_diffuse, sky_diffuse, sun_specular, sky_specular]: [f64; 6]) -> [f64; 6] {
+fn ordered([sun_direct, sky_direct, sun_reflected, sky_reflected, sun_mirrored, sky_mirrored]: [f64; 6]) -> [f64; 6] {
     let mut out = [0.0; 6];
     for (component, value) in [
         (Component::SunDirect, sun_direct),
         (Component::SkyDirect, sky_direct),
-        (Component::SunDiffuse, sun_diffuse),
-        (Component::SkyDiffuse, sky_diffuse),
-        (Component::SunSpecular, sun_specular),
-        (Component::SkySpecular, sky_specular),
+        (Component::SunReflected, sun_reflected),
+        (Component::SkyReflected, sky_reflected),
+        (Component::SunMirrored, sun_mirrored),
+        (Component::SkyMirrored, sky_mirrored),
     ] {
         out[component as usize] = value;
     }
@@ -275,13 +275,13 @@ fn mirrors_give_the_light_of_their_images() {
             &[(-1.0, 1.0, share)]
         };
         let known = |normal: DVec3| {
-            let sun_specular: f64 =
+            let sun_mirrored: f64 =
                 images.iter().map(|(x, y, share)| share * dni * normal.dot(flip(sun, *x, *y)).max(0.0)).sum();
             // Each mirror hides a part of a level receiver's sky, which its image gives back: half,
             // or a quarter.
             let parts = if both { 4.0 } else { 2.0 };
-            let sky_specular: f64 = images.iter().map(|image| image.2).sum::<f64>() * dhi / parts;
-            let expected = [dni * normal.dot(sun).max(0.0), dhi / parts, 0.0, 0.0, sun_specular, sky_specular]
+            let sky_mirrored: f64 = images.iter().map(|image| image.2).sum::<f64>() * dhi / parts;
+            let expected = [dni * normal.dot(sun).max(0.0), dhi / parts, 0.0, 0.0, sun_mirrored, sky_mirrored]
                 .map(|v| v * through);
             (DVec3::new(5.0, 7.0, 0.0), normal, ordered(expected))
         };
@@ -291,7 +291,7 @@ fn mirrors_give_the_light_of_their_images() {
         let upright = [DVec3::NEG_X, DVec3::X].map(|normal| {
             let (position, normal, mut expected) = known(normal);
             expected[Component::SkyDirect as usize] = 0.0;
-            expected[Component::SkySpecular as usize] = 0.0;
+            expected[Component::SkyMirrored as usize] = 0.0;
             (position, normal, expected)
         });
         count.compare(&triangles, vec![mirror.clone(), screen.clone()], &dark, &upright, 16);

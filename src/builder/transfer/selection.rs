@@ -16,7 +16,7 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::opened::{NameIndex, OpenSite, tiles_within};
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::text::counted;
-use heliotile_scene::covering::receiver_ids::ReceiverIds;
+use heliotile_scene::points::receiver_ids::ReceiverIds;
 
 /// Largest number of names in a message.
 const NAMED: usize = 10;

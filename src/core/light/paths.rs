@@ -14,7 +14,7 @@ pub struct LightPaths {
     /// True if diffusely reflected light that also meets a mirror counts: light that mirrors throw
     /// on surfaces, and surfaces that are seen in mirrors.
     pub mirror_diffuse: bool,
-    /// True if the sky that is seen in mirrors counts, column `sky_specular`.
+    /// True if the sky that is seen in mirrors counts, column `sky_mirrored`.
     pub mirror_sky: bool,
 }
 

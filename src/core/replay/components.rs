@@ -15,27 +15,27 @@ pub enum Component {
     /// Irradiance from the sky, seen directly or through canopies.
     SkyDirect,
     /// Irradiance from the sun by at least one diffuse reflection.
-    SunDiffuse,
+    SunReflected,
     /// Irradiance from the sky by at least one diffuse reflection.
-    SkyDiffuse,
+    SkyReflected,
     /// Irradiance from the sun by way of mirrors only.
-    SunSpecular,
+    SunMirrored,
     /// Irradiance from the sky by way of mirrors only.
-    SkySpecular,
+    SkyMirrored,
     /// Sum of the six components.
     Total,
     /// Longwave irradiance from sky, ground and obstructions by their temperatures; no part of the
     /// total.
     Longwave,
-    /// Part of `sun_diffuse` whose first surface seen from the receiver is ground. Where the
+    /// Part of `sun_reflected` whose first surface seen from the receiver is ground. Where the
     /// receiver sees light in a mirror, the mirror is that surface.
-    SunDiffuseGround,
-    /// Part of `sun_diffuse` whose first surface seen is an obstruction: all that is not ground.
-    SunDiffuseObstruction,
-    /// Part of `sky_diffuse` whose first surface seen is ground.
-    SkyDiffuseGround,
-    /// Part of `sky_diffuse` whose first surface seen is an obstruction.
-    SkyDiffuseObstruction,
+    SunReflectedGround,
+    /// Part of `sun_reflected` whose first surface seen is an obstruction: all that is not ground.
+    SunReflectedObstruction,
+    /// Part of `sky_reflected` whose first surface seen is ground.
+    SkyReflectedGround,
+    /// Part of `sky_reflected` whose first surface seen is an obstruction.
+    SkyReflectedObstruction,
     /// Sum of the six components in ultraviolet light, 280 to 380 nm.
     TotalUv,
     /// Sum of the six components in visible light, 380 to 780 nm.
@@ -102,20 +102,20 @@ impl Component {
     pub const ALL: [Component; 7] = [
         Component::SunDirect,
         Component::SkyDirect,
-        Component::SunDiffuse,
-        Component::SkyDiffuse,
-        Component::SunSpecular,
-        Component::SkySpecular,
+        Component::SunReflected,
+        Component::SkyReflected,
+        Component::SunMirrored,
+        Component::SkyMirrored,
         Component::Total,
     ];
 
     /// Columns that results hold only if they are named, besides the user's bands.
     pub const FURTHER: [Component; 11] = [
         Component::Longwave,
-        Component::SunDiffuseGround,
-        Component::SunDiffuseObstruction,
-        Component::SkyDiffuseGround,
-        Component::SkyDiffuseObstruction,
+        Component::SunReflectedGround,
+        Component::SunReflectedObstruction,
+        Component::SkyReflectedGround,
+        Component::SkyReflectedObstruction,
         Component::TotalUv,
         Component::TotalVisible,
         Component::TotalPar,
@@ -154,8 +154,8 @@ impl Component {
     /// obstructions.
     pub fn parts(self) -> Option<[Component; 2]> {
         match self {
-            Component::SunDiffuse => Some([Component::SunDiffuseGround, Component::SunDiffuseObstruction]),
-            Component::SkyDiffuse => Some([Component::SkyDiffuseGround, Component::SkyDiffuseObstruction]),
+            Component::SunReflected => Some([Component::SunReflectedGround, Component::SunReflectedObstruction]),
+            Component::SkyReflected => Some([Component::SkyReflectedGround, Component::SkyReflectedObstruction]),
             _ => None,
         }
     }
@@ -168,16 +168,16 @@ impl Component {
         match self {
             Component::SunDirect => "sun_direct",
             Component::SkyDirect => "sky_direct",
-            Component::SunDiffuse => "sun_diffuse",
-            Component::SkyDiffuse => "sky_diffuse",
-            Component::SunSpecular => "sun_specular",
-            Component::SkySpecular => "sky_specular",
+            Component::SunReflected => "sun_reflected",
+            Component::SkyReflected => "sky_reflected",
+            Component::SunMirrored => "sun_mirrored",
+            Component::SkyMirrored => "sky_mirrored",
             Component::Total => "total",
             Component::Longwave => "longwave",
-            Component::SunDiffuseGround => "sun_diffuse_ground",
-            Component::SunDiffuseObstruction => "sun_diffuse_obstruction",
-            Component::SkyDiffuseGround => "sky_diffuse_ground",
-            Component::SkyDiffuseObstruction => "sky_diffuse_obstruction",
+            Component::SunReflectedGround => "sun_reflected_ground",
+            Component::SunReflectedObstruction => "sun_reflected_obstruction",
+            Component::SkyReflectedGround => "sky_reflected_ground",
+            Component::SkyReflectedObstruction => "sky_reflected_obstruction",
             Component::TotalUv => "total_uv",
             Component::TotalVisible => "total_visible",
             Component::TotalPar => "total_par",
@@ -200,22 +200,22 @@ impl Component {
         match self {
             Component::SunDirect => "irradiance on the receiver from the sun's disc",
             Component::SkyDirect => "irradiance on the receiver from the sky",
-            Component::SunDiffuse => "irradiance on the receiver from the sun by diffuse reflection",
-            Component::SkyDiffuse => "irradiance on the receiver from the sky by diffuse reflection",
-            Component::SunSpecular => "irradiance on the receiver from the sun by mirrors",
-            Component::SkySpecular => "irradiance on the receiver from the sky by mirrors",
+            Component::SunReflected => "irradiance on the receiver from the sun by diffuse reflection",
+            Component::SkyReflected => "irradiance on the receiver from the sky by diffuse reflection",
+            Component::SunMirrored => "irradiance on the receiver from the sun by mirrors",
+            Component::SkyMirrored => "irradiance on the receiver from the sky by mirrors",
             Component::Total => "solar irradiance on the receiver",
             Component::Longwave => "infrared irradiance on the receiver",
-            Component::SunDiffuseGround => {
+            Component::SunReflectedGround => {
                 "irradiance on the receiver from the sun by diffuse reflection, ground seen first"
             }
-            Component::SunDiffuseObstruction => {
+            Component::SunReflectedObstruction => {
                 "irradiance on the receiver from the sun by diffuse reflection, obstructions seen first"
             }
-            Component::SkyDiffuseGround => {
+            Component::SkyReflectedGround => {
                 "irradiance on the receiver from the sky by diffuse reflection, ground seen first"
             }
-            Component::SkyDiffuseObstruction => {
+            Component::SkyReflectedObstruction => {
                 "irradiance on the receiver from the sky by diffuse reflection, obstructions seen first"
             }
             Component::TotalUv => "solar irradiance on the receiver, 280 to 380 nm",
@@ -347,6 +347,13 @@ impl ComponentList {
     }
 }
 
+/// Returns the name that a column has now, for a name of earlier versions, with its ending.
+fn renamed(name: &str) -> Option<String> {
+    let now = name.replacen("_diffuse", "_reflected", 1).replacen("_specular", "_mirrored", 1);
+    let known = || Component::every().any(|c| now.strip_suffix(c.measure().sum_suffix()).unwrap_or(&now) == c.name());
+    (now != name && known()).then_some(now)
+}
+
 /// Parses `total,sun_direct`: names with or without the ending of sums.
 impl FromStr for ComponentList {
     type Err = String;
@@ -357,6 +364,9 @@ impl FromStr for ComponentList {
         for part in text.split(',').map(str::trim) {
             let is_named = |c: &Component| part.strip_suffix(c.measure().sum_suffix()).unwrap_or(part) == c.name();
             let Some(component) = known().find(is_named) else {
+                if let Some(now) = renamed(part) {
+                    return Err(format!("the column `{part}` is now called `{now}`"));
+                }
                 let names: Vec<&str> = known().map(Component::name).collect();
                 return Err(format!("`{part}` is not a known column; known columns: {}", names.join(", ")));
             };
@@ -381,20 +391,20 @@ mod tests {
         assert_eq!(list.as_slice(), [Component::Total, Component::SkyDirect]);
         let count = |with: &dyn Fn(Component) -> bool| Component::ALL.into_iter().filter(|c| with(*c)).count();
         assert_eq!((count(&|c| list.set().contains(c)), count(&|c| list.set().needs(c))), (2, 7));
-        let one = ComponentSet::of(&[Component::SunDiffuse]);
+        let one = ComponentSet::of(&[Component::SunReflected]);
         assert_eq!(count(&|c| one.needs(c)), 1);
         assert_eq!(ComponentList::all().set(), ComponentSet::ALL);
     }
 
-    /// A part of `sun_diffuse` needs that component, 1 of 1, and is no part of the total. Its two
+    /// A part of `sun_reflected` needs that component, 1 of 1, and is no part of the total. Its two
     /// parts take 2 places beside the 7.
     #[test]
     fn parts_of_a_component_are_no_part_of_the_total() {
-        let list: ComponentList = "sun_diffuse_ground,sun_diffuse_obstruction_kwh_m2".parse().expect("names");
-        assert_eq!(list.as_slice(), Component::SunDiffuse.parts().expect("two parts"));
+        let list: ComponentList = "sun_reflected_ground,sun_reflected_obstruction_kwh_m2".parse().expect("names");
+        assert_eq!(list.as_slice(), Component::SunReflected.parts().expect("two parts"));
         assert_eq!(list.set().places(), 9);
-        assert!(list.set().needs(Component::SunDiffuse) && list.set().needs_parts(Component::SunDiffuse));
-        assert!(!list.set().needs(Component::SkyDiffuse) && !ComponentSet::ALL.needs_parts(Component::SunDiffuse));
+        assert!(list.set().needs(Component::SunReflected) && list.set().needs_parts(Component::SunReflected));
+        assert!(!list.set().needs(Component::SkyReflected) && !ComponentSet::ALL.needs_parts(Component::SunReflected));
     }
 
     /// Longwave irradiance is requested by name, 1 of 1, is no part of the total, and takes an
@@ -408,10 +418,14 @@ mod tests {
         assert!(!list.set().needs(Component::SunDirect));
     }
 
-    /// An unknown name is refused with all 18 names, an empty one and a repeated one too: 3 of 3.
+    /// An unknown name is refused with all 18 names, an empty one and a repeated one too: 3 of 3. 2 of
+    /// 2 names of earlier versions are refused with the name of today.
     #[test]
     fn unknown_empty_and_repeated_names_are_refused() {
         let refused = |text: &str| text.parse::<ComponentList>().expect_err(text);
+        let earlier = refused("total,sky_diffuse_ground_kwh_m2");
+        assert!(earlier.ends_with("is now called `sky_reflected_ground_kwh_m2`"), "{earlier}");
+        assert!(refused("sun_specular").ends_with("is now called `sun_mirrored`"));
         let unknown = refused("sun");
         assert!(
             Component::ALL.into_iter().chain(Component::FURTHER).all(|c| unknown.contains(c.name()))

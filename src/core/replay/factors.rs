@@ -101,17 +101,17 @@ pub const FACTORS: [&str; 5] =
 
 /// Components that factors are computed from.
 pub const PARTS: [Component; 5] = [
-    Component::SunDiffuseObstruction,
-    Component::SunDiffuseGround,
-    Component::SkyDiffuseObstruction,
-    Component::SkyDiffuseGround,
-    Component::SunSpecular,
+    Component::SunReflectedObstruction,
+    Component::SunReflectedGround,
+    Component::SkyReflectedObstruction,
+    Component::SkyReflectedGround,
+    Component::SunMirrored,
 ];
 
 impl SunGrid {
     /// Prepares the replay of these suns and a sky. Of `settings` only the number of patches, the
     /// memory and the storage apply. [`SunGrid::factors`] computes factors from its irradiances,
-    /// which are [`PARTS`] by [`SunGrid::labels`]. Returns the errors of
+    /// which are [`PARTS`] by [`SunGrid::bins`]. Returns the errors of
     /// [`ReplayBuilder::build`](crate::replay::run::ReplayBuilder::build).
     pub fn replay<'a>(&self, site: &OpenSite<'a>, settings: ReplaySettings) -> Result<Replay<'a>> {
         let mut conditions = self.conditions(SOURCE_W_M2);
@@ -129,16 +129,16 @@ impl SunGrid {
     }
 
     /// Returns the number of irradiances of a part: one for each sun, and one for the sky.
-    pub fn labels(&self) -> usize {
+    pub fn bins(&self) -> usize {
         self.suns().count() + 1
     }
 
     /// Returns the factors of each sun from the irradiances of a receiver, or from means over
-    /// receivers. `row` returns the irradiances of a part by label.
+    /// receivers. `row` returns the irradiances of a part by bin.
     pub fn factors<'r>(&'r self, row: impl Fn(Component) -> &'r [f32]) -> impl Iterator<Item = [f64; 5]> + 'r {
         let [obstruction, ground, sky_obstruction, sky_ground, mirrored] = PARTS.map(row);
-        let share = |rows: &[f32], label: usize| rows.get(label).map_or(0.0, |v| f64::from(*v) / SOURCE_W_M2);
-        let sky = self.labels() - 1;
+        let share = |rows: &[f32], bin: usize| rows.get(bin).map_or(0.0, |v| f64::from(*v) / SOURCE_W_M2);
+        let sky = self.bins() - 1;
         self.suns().enumerate().map(move |(sun, (_, altitude))| {
             // Altitudes are above 0, so the division is safe.
             let on_ground = share(ground, sun) / altitude.to_radians().sin();

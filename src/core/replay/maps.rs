@@ -177,8 +177,8 @@ pub fn maps(
     if let Some(light) = light {
         let lit = lit_cells(site, view, light, memory, storage)?;
         let of = |channel: usize| lit.texels.iter().map(|radiances| radiances[channel] as f32).collect();
-        hit.add("sun_diffuse", RADIANCE, of(0));
-        hit.add("sky_diffuse", RADIANCE, of(1));
+        hit.add("sun_reflected", RADIANCE, of(0));
+        hit.add("sky_reflected", RADIANCE, of(1));
         // The stored response holds all bounces; for fewer, the derived one applies.
         if light.depth != MaxBounces::All {
             response = Some(lit.response);
@@ -300,8 +300,8 @@ fn mirror_map(view: &ReceiverView, sky: &SkyTexels, light: Option<&Illumination>
         let radiance = |(e, &weight): (f64, &f64)| if weight > 0.0 { (e / weight) as f32 } else { 0.0 };
         let dome = |(t, &weight): (usize, &f64)| if weight > 0.0 { sky.radiance(t) } else { 0.0 };
         let of_sky = weights.iter().enumerate().map(dome).zip(brightening.into_iter().zip(&weights).map(radiance));
-        map.add("sky_specular", RADIANCE, of_sky.map(|(dome, brightening)| dome + brightening).collect());
-        map.add("sun_specular", RADIANCE, sun.into_iter().zip(&weights).map(radiance).collect());
+        map.add("sky_mirrored", RADIANCE, of_sky.map(|(dome, brightening)| dome + brightening).collect());
+        map.add("sun_mirrored", RADIANCE, sun.into_iter().zip(&weights).map(radiance).collect());
     }
     map
 }
@@ -376,7 +376,7 @@ fn response_map(response: &Response, light: Option<&Illumination>) -> Map {
         let radiances =
             light.on_response.iter().zip(light.brightening(&g, &weights)).map(|(l, more)| (l + more) as f32);
         map.add("weight_sr", "sr", weights.iter().map(|&w| w as f32).collect());
-        map.add("sky_diffuse", RADIANCE, radiances.collect());
+        map.add("sky_reflected", RADIANCE, radiances.collect());
     }
     map
 }

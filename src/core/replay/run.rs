@@ -215,7 +215,7 @@ impl<'r, 'a> ReplayBuilder<'r, 'a> {
             Ok(forcing.with_longwave(Longwave::new(conditions, bins, site.path())?))
         };
         let reflects = site.settings().diffuse
-            && [Component::SunDiffuse, Component::SkyDiffuse].iter().any(|&c| settings.components.needs(c));
+            && [Component::SunReflected, Component::SkyReflected].iter().any(|&c| settings.components.needs(c));
         let leaves = canopies::stored(site.materials());
         if !schedules.is_empty() && !site.settings().diffuse && leaves.is_empty() {
             let what = "was built without diffuse reflections, so no reflectance can be changed";
@@ -314,9 +314,9 @@ impl<'a> Replay<'a> {
         let mut results = self.run_one(&tiles)?;
         for band in &self.bands {
             for ((_, values), (_, of_band)) in results.iter_mut().zip(band.replay.run_one(&tiles)?) {
-                let labels = values.labels();
+                let bins = values.bins();
                 for receiver in 0..values.receivers() {
-                    let totals = of_band.row(Component::Total, receiver).chunks(labels.max(1));
+                    let totals = of_band.row(Component::Total, receiver).chunks(bins.max(1));
                     for (component, totals) in band.components.iter().zip(totals) {
                         values.row_mut(*component, receiver).copy_from_slice(totals);
                     }

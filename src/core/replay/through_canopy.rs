@@ -76,22 +76,22 @@ impl DirectThroughCanopy {
             None => CanopyTransmittance::clear(self.sides),
         };
         for &receiver in &behind {
-            let mut sums = vec![0.0_f64; out.labels()];
+            let mut sums = vec![0.0_f64; out.bins()];
             for way in &self.ways {
                 way.suns.direct_behind(tile.normals[receiver], &tile.sky[receiver], &veil(receiver, way), &mut sums);
             }
             put(&sums, out.row_mut(SunDirect, receiver));
         }
-        let mut sums = vec![0.0_f32; behind.len() * out.labels()];
+        let mut sums = vec![0.0_f32; behind.len() * out.bins()];
         for way in self.ways.iter().filter(|way| !way.skies.is_empty()) {
             let mut coefficients = Vec::new();
             for &receiver in &behind {
                 let (normal, sky) = (tile.normals[receiver], &tile.sky[receiver]);
                 coefficients_behind(projection, normal, sky, &veil(receiver, way), &mut coefficients);
             }
-            way.skies.irradiance(&coefficients, |i, bin, v| sums[i * out.labels() + bin] += v);
+            way.skies.irradiance(&coefficients, |i, bin, v| sums[i * out.bins() + bin] += v);
         }
-        for (&receiver, sums) in behind.iter().zip(sums.chunks(out.labels().max(1))) {
+        for (&receiver, sums) in behind.iter().zip(sums.chunks(out.bins().max(1))) {
             let mut glow = vec![0.0_f64; sums.len()];
             for way in self.ways.iter().filter(|way| !way.circumsolar.is_empty()) {
                 let (normal, sky) = (tile.normals[receiver], &tile.sky[receiver]);

@@ -13,7 +13,7 @@ use crate::layers::sides::TextureSides;
 use crate::layers::sky::half_texel;
 use crate::replay::components::Component;
 use crate::replay::components::Component::{
-    SkyDiffuse, SkyDirect, SkySpecular, SunDiffuse, SunDirect, SunSpecular, Total,
+    SkyDirect, SkyMirrored, SkyReflected, SunDirect, SunMirrored, SunReflected, Total,
 };
 use crate::replay::components::ComponentSet;
 use crate::replay::direct::sky_masks::{LANES, SkyMasks, TexelPlanes};
@@ -99,7 +99,7 @@ impl Forcing {
         sides: TextureSides,
     ) -> Self {
         let when = |needed: bool| -> &[Condition] { if needed { conditions } else { &[] } };
-        let skies_of = when([SkyDirect, SkyDiffuse, SkySpecular].iter().any(|&c| components.needs(c)));
+        let skies_of = when([SkyDirect, SkyReflected, SkyMirrored].iter().any(|&c| components.needs(c)));
         let projection = |side| Projection::new(patches, side, PROJECTION_SAMPLES).under(model);
         let sky_projection = projection(sides.sky_base);
         // The first are the skies of all results; those of the states of the reflectances follow.
@@ -107,9 +107,9 @@ impl Forcing {
         let mut skies = Skies::new(skies_of, &ways, model, patches, &sky_projection.open_horizontal_sr).into_iter();
         let all = skies.next().unwrap_or_default();
         let state = |bins, skies| Reflected {
-            sources: Sources::new(&SunSample::of_suns(when(components.needs(SunDiffuse)), bins), sides.response),
+            sources: Sources::new(&SunSample::of_suns(when(components.needs(SunReflected)), bins), sides.response),
             circumsolar: Sources::new(
-                &SunSample::of_circumsolar(when(components.needs(SkyDiffuse)), bins, model),
+                &SunSample::of_circumsolar(when(components.needs(SkyReflected)), bins, model),
                 sides.response,
             ),
             skies,
@@ -122,8 +122,8 @@ impl Forcing {
         let response_projection = projection(sides.response);
         let summed = |state: Reflected| state.summed(bins.count, &all, &response_projection);
         let reflected = reflected.into_iter().map(summed).collect();
-        let suns = when(components.needs(SunDirect) || components.needs(SunSpecular));
-        let glows = when(components.needs(SkyDirect) || components.needs(SkySpecular));
+        let suns = when(components.needs(SunDirect) || components.needs(SunMirrored));
+        let glows = when(components.needs(SkyDirect) || components.needs(SkyMirrored));
         Forcing {
             bins: bins.count,
             sides,
@@ -155,7 +155,7 @@ impl Forcing {
 
     /// Returns true if the components need the sky seen in mirrors, and there is a sky.
     fn mirrors_sky(&self) -> bool {
-        self.mirror_sky && self.components.needs(SkySpecular) && !self.skies.is_empty()
+        self.mirror_sky && self.components.needs(SkyMirrored) && !self.skies.is_empty()
     }
 
     /// Adds direct light through canopies. `leafages` says how conditions add to the results with
@@ -193,13 +193,13 @@ impl Forcing {
 
     /// Returns true if the components need the sky that the receivers see in mirrors.
     pub fn reads_mirrors(&self) -> bool {
-        self.components.needs(SunSpecular) && !self.suns.is_empty() || self.mirrors_sky()
+        self.components.needs(SunMirrored) && !self.suns.is_empty() || self.mirrors_sky()
     }
 
     /// Returns true if the components need the receivers' responses.
     pub fn reads_responses(&self) -> bool {
         self.reflected.iter().any(|state| !state.sources.is_empty())
-            || self.components.needs(SkyDiffuse) && !self.skies.is_empty()
+            || self.components.needs(SkyReflected) && !self.skies.is_empty()
     }
 
     /// Returns the irradiance of every receiver of a tile.
@@ -260,11 +260,11 @@ impl Forcing {
         if suns.is_empty() {
             return;
         }
-        let labels = out.labels();
+        let bins = out.bins();
         for (group, (normals, skies)) in tile.normals.chunks(LANES).zip(tile.sky.chunks(LANES)).enumerate() {
             let masks = SkyMasks::new(&self.planes, normals, skies);
-            let rows = &mut out.component_mut(column)[group * LANES * labels..];
-            suns.direct(&masks, |receiver, bin, v| rows[receiver * labels + bin] += v as f32);
+            let rows = &mut out.component_mut(column)[group * LANES * bins..];
+            suns.direct(&masks, |receiver, bin, v| rows[receiver * bins + bin] += v as f32);
         }
     }
 
@@ -273,14 +273,14 @@ impl Forcing {
             return;
         }
         let projection = &self.sky_projection;
-        let (sky, sun) = (self.mirrors_sky(), self.components.needs(SunSpecular));
+        let (sky, sun) = (self.mirrors_sky(), self.components.needs(SunMirrored));
         let mut sums = vec![0.0_f64; self.bins];
         let mut coefficients = Vec::new();
         for (receiver, (&normal, views)) in tile.normals.iter().zip(&tile.mirrors).enumerate() {
             if sun && !views.is_empty() {
                 sums.fill(0.0);
                 views.iter().for_each(|view| self.suns.by_mirrors(normal, view, &mut sums));
-                put(&sums, out.row_mut(SunSpecular, receiver));
+                put(&sums, out.row_mut(SunMirrored, receiver));
             }
             if sky {
                 let mut patches = vec![0.0_f64; projection.patches()];
@@ -291,14 +291,14 @@ impl Forcing {
                 coefficients.extend(projection.horizon().map(|band| horizon(band) as f32));
             }
         }
-        let column = out.component_mut(SkySpecular);
+        let column = out.component_mut(SkyMirrored);
         self.skies.irradiance(&coefficients, |receiver, bin, v| column[receiver * self.bins + bin] = v);
         let glow = |receiver: usize, sums: &mut [f64]| {
             let views = tile.mirrors.get(receiver).into_iter().flatten();
             views.for_each(|view| self.circumsolar.by_mirrors(tile.normals[receiver], view, sums));
         };
         if sky {
-            self.add_circumsolar(SkySpecular, glow, out);
+            self.add_circumsolar(SkyMirrored, glow, out);
         }
     }
 
@@ -317,19 +317,19 @@ impl Forcing {
     }
 
     fn add_diffuse(&self, tile: &TileLayers, out: &mut TileValues) {
-        if self.components.needs(SunDiffuse) {
-            self.reflected_suns(tile, None, out.component_mut(SunDiffuse));
+        if self.components.needs(SunReflected) {
+            self.reflected_suns(tile, None, out.component_mut(SunReflected));
         }
-        if self.components.needs(SkyDiffuse) {
-            self.reflected_skies(tile, None, out.component_mut(SkyDiffuse));
+        if self.components.needs(SkyReflected) {
+            self.reflected_skies(tile, None, out.component_mut(SkyReflected));
         }
-        for whole in [SunDiffuse, SkyDiffuse] {
+        for whole in [SunReflected, SkyReflected] {
             let Some([ground, obstruction]) = whole.parts().filter(|_| self.components.needs_parts(whole)) else {
                 continue;
             };
             let mut grounds = vec![0.0; out.component(whole).len()];
             match whole {
-                SunDiffuse => self.reflected_suns(tile, Some(Class::Ground), &mut grounds),
+                SunReflected => self.reflected_suns(tile, Some(Class::Ground), &mut grounds),
                 _ => self.reflected_skies(tile, Some(Class::Ground), &mut grounds),
             }
             for (place, value) in grounds.into_iter().enumerate() {

@@ -5,14 +5,14 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::replay::components::Component;
 
-/// Values of one tile: `[component][receiver][label]`, row-major, components in the order of their
+/// Values of one tile: `[component][receiver][bin]`, row-major, components in the order of their
 /// numbers. All components have a place. Components that are not requested are zero: pages that are
 /// never written take no memory.
 #[derive(Clone, Debug)]
 pub struct TileValues {
     values: Vec<f32>,
     receivers: usize,
-    labels: usize,
+    bins: usize,
     /// Bits of the components that may not be zero.
     written: u32,
     /// Store that takes the memory back when the values are dropped.
@@ -21,7 +21,7 @@ pub struct TileValues {
 
 impl PartialEq for TileValues {
     fn eq(&self, other: &Self) -> bool {
-        (self.receivers, self.labels, &self.values) == (other.receivers, other.labels, &other.values)
+        (self.receivers, self.bins, &self.values) == (other.receivers, other.bins, &other.values)
     }
 }
 
@@ -54,48 +54,48 @@ impl Drop for TileValues {
 }
 
 impl TileValues {
-    /// Returns zeros for all components and a number of receivers and labels.
-    pub fn new(receivers: usize, labels: usize) -> Self {
-        let values = vec![0.0; Component::COUNT * receivers * labels];
-        TileValues { values, receivers, labels, written: 0, home: None }
+    /// Returns zeros for all components and a number of receivers and bins.
+    pub fn new(receivers: usize, bins: usize) -> Self {
+        let values = vec![0.0; Component::COUNT * receivers * bins];
+        TileValues { values, receivers, bins, written: 0, home: None }
     }
 
     /// Returns zeros in memory that is taken from a store, and goes back to it on drop.
-    pub(super) fn from_spares(home: &Arc<Spares>, receivers: usize, labels: usize) -> Self {
-        let len = Component::COUNT * receivers * labels;
+    pub(super) fn from_spares(home: &Arc<Spares>, receivers: usize, bins: usize) -> Self {
+        let len = Component::COUNT * receivers * bins;
         let values = home.take(len).unwrap_or_else(|| vec![0.0; len]);
-        TileValues { values, receivers, labels, written: 0, home: Some(Arc::clone(home)) }
+        TileValues { values, receivers, bins, written: 0, home: Some(Arc::clone(home)) }
     }
 
-    /// Returns `[receiver][label]` of a component.
+    /// Returns `[receiver][bin]` of a component.
     pub fn component(&self, component: Component) -> &[f32] {
-        let size = self.receivers * self.labels;
+        let size = self.receivers * self.bins;
         &self.values[component as usize * size..][..size]
     }
 
-    /// Returns `[receiver][label]` of a component to be filled.
+    /// Returns `[receiver][bin]` of a component to be filled.
     pub fn component_mut(&mut self, component: Component) -> &mut [f32] {
-        let size = self.receivers * self.labels;
+        let size = self.receivers * self.bins;
         self.written |= 1 << component as u32;
         &mut self.values[component as usize * size..][..size]
     }
 
-    /// Returns `[label]` of a component at a receiver of the tile.
+    /// Returns `[bin]` of a component at a receiver of the tile.
     pub fn row(&self, component: Component, receiver: usize) -> &[f32] {
-        let labels = self.labels;
-        &self.component(component)[receiver * labels..][..labels]
+        let bins = self.bins;
+        &self.component(component)[receiver * bins..][..bins]
     }
 
-    /// Returns `[label]` of a component at a receiver of the tile to be filled.
+    /// Returns `[bin]` of a component at a receiver of the tile to be filled.
     pub fn row_mut(&mut self, component: Component, receiver: usize) -> &mut [f32] {
-        let labels = self.labels;
-        &mut self.component_mut(component)[receiver * labels..][..labels]
+        let bins = self.bins;
+        &mut self.component_mut(component)[receiver * bins..][..bins]
     }
 
     /// Returns the values of the receivers for which `kept` is true.
     pub fn select(&self, kept: &[bool]) -> TileValues {
         let rows: Vec<usize> = (0..self.receivers).filter(|row| kept.get(*row) == Some(&true)).collect();
-        let mut out = TileValues::new(rows.len(), self.labels);
+        let mut out = TileValues::new(rows.len(), self.bins);
         for component in Component::every() {
             for (to, &from) in rows.iter().enumerate() {
                 out.row_mut(component, to).copy_from_slice(self.row(component, from));
@@ -109,9 +109,9 @@ impl TileValues {
         self.receivers
     }
 
-    /// Returns the number of labels, the third axis: conditions, or bins of sums.
-    pub fn labels(&self) -> usize {
-        self.labels
+    /// Returns the number of bins, the third axis: conditions, or bins of sums.
+    pub fn bins(&self) -> usize {
+        self.bins
     }
 }
 

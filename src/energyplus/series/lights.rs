@@ -13,7 +13,7 @@ use heliotile_results::{LightChoice, ReceiverSet, Resources, Series, TileStream}
 
 /// Components of reflected light, summed to one result.
 pub const REFLECTED: &[&[Component]] =
-    &[&[Component::SunDiffuse, Component::SkyDiffuse, Component::SunSpecular, Component::SkySpecular]];
+    &[&[Component::SunReflected, Component::SkyReflected, Component::SunMirrored, Component::SkyMirrored]];
 
 /// Components of direct light: the sun and the sky, one result each.
 pub const DIRECT: &[&[Component]] = &[&[Component::SunDirect], &[Component::SkyDirect]];

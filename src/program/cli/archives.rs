@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::{ArgGroup, Args, Subcommand};
 
 use super::values::{Bytes, SelectionArgs, choice, parse_memory};
-use super::{ClockArgs, FootprintArgs, MaterialsArgs, PlaceArgs, RasterArgs, SceneArgs};
+use super::{ClockArgs, FootprintArgs, MaterialsArgs, PlaceArgs, RasterArgs, SceneArgs, TableNorthArgs};
 use heliotile_atlas::VerifyRequest;
 use heliotile_core::archive::Access;
 use heliotile_results::RepairRequest;
@@ -36,6 +36,8 @@ pub struct RepairArgs {
     pub archive: PathBuf,
     #[command(flatten)]
     pub scene: SceneArgs,
+    #[command(flatten)]
+    pub table_north: TableNorthArgs,
     /// Table of the receivers that the archive was built from; needed if the archive's own table is
     /// damaged
     #[arg(long, short)]
@@ -53,7 +55,7 @@ impl RepairArgs {
     pub fn request(&self) -> RepairRequest {
         RepairRequest {
             archive: self.archive.clone(),
-            scene: self.scene.request(),
+            scene: self.scene.request_by(&self.table_north),
             receivers: self.receivers.clone(),
             output: self.output.clone(),
         }

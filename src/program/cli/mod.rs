@@ -29,7 +29,7 @@ pub use self::results::{
 pub use self::sites::{
     AccuracyArgs, AuditArgs, BuildArgs, CatalogueArgs, ClockArgs, CoverArgs, FindArgs, FootprintArgs, MaterialsArgs,
     Metres, PartitionArgs, Percent, PlaceArgs, PlanArgs, RasterArgs, RaySquare, ReceiversArgs, RunArgs, SceneArgs,
-    StudyArgs, StudyCommand, TradeoffArgs, UpdateArgs, WallArgs, WeatherArgs, parse_negligible,
+    StudyArgs, StudyCommand, TableNorthArgs, TradeoffArgs, UpdateArgs, WallArgs, WeatherArgs, parse_negligible,
 };
 pub use self::values::Bytes;
 

@@ -63,8 +63,9 @@ fn build(args: &BuildArgs, receivers: &Path, output: &Path) -> Result<Outcome> {
     let inputs =
         [Some(receivers), args.accuracy.error_weather.as_deref(), args.weather.as_deref(), args.from.as_deref()];
     // Outputs are checked before minutes of tracing.
-    check_output(output, &args.scene.site()?, &inputs)?;
-    let (scene, terminal) = (load_scene(&args.scene)?, Terminal::watching());
+    let scene = args.scene.request_by(&args.table_north);
+    check_output(output, &scene.site()?, &inputs)?;
+    let (scene, terminal) = (load_scene(&scene)?, Terminal::watching());
     let weighed_under = weighed_under(args.weather.as_deref(), &args.about_weather, &scene, &terminal)?;
     let output = Output {
         path: output.to_owned(),
@@ -89,7 +90,7 @@ fn build(args: &BuildArgs, receivers: &Path, output: &Path) -> Result<Outcome> {
 
 /// `heliotile plan`.
 pub fn plan(args: &PlanArgs) -> Result<Outcome> {
-    let scene = load_scene(&args.scene)?;
+    let scene = load_scene(&args.scene.request_by(&args.table_north))?;
     let terminal = Terminal::default();
     let weighed_under = weighed_under(args.weather.as_deref(), &args.about_weather, &scene, &terminal)?;
     let accuracy = args.accuracy.request_beside(args.weather.as_deref(), &args.about_weather);

@@ -192,12 +192,10 @@ fn say_accuracy(out: &mut String, a: &Accuracy) {
         a.conditions,
         a.weather
     );
-    let parts: Vec<String> = Component::ALL
-        .iter()
-        .filter_map(|component| Some((component.name(), a.components_percent.get(component.name())?)))
-        .filter(|(name, _)| *name != Component::Total.name())
-        .map(|(name, percent)| format!("{name} {percent} %"))
-        .collect();
+    let place = |name: &str| Component::ALL.iter().position(|component| component.name() == name);
+    let mut parts: Vec<_> = a.components_percent.iter().filter(|(name, _)| *name != Component::Total.name()).collect();
+    parts.sort_by_key(|(name, _)| place(name).unwrap_or(usize::MAX));
+    let parts: Vec<String> = parts.into_iter().map(|(name, percent)| format!("{name} {percent} %")).collect();
     line!(out, "              {}", parts.join(", "));
     for hours in &a.hours {
         line!(out, "              {}", in_hours(hours));

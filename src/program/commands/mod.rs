@@ -37,7 +37,7 @@ mod weather;
 
 use std::path::{Path, PathBuf};
 
-use crate::cli::{Bytes, Cli, Command, EverywhereArgs, SceneArgs};
+use crate::cli::{Bytes, Cli, Command, EverywhereArgs};
 use console::terminal::Terminal;
 use console::voice::{self, Volume, remark, say, warn};
 use heliotile_builder::pipeline::Workspace;
@@ -45,6 +45,7 @@ use heliotile_builder::writing::copy::folder_of;
 use heliotile_core::error::{Error, Result};
 use heliotile_results::outputs::provenance::Provenance;
 use heliotile_scene::Scene;
+use heliotile_scene::request::SceneRequest;
 
 pub use console::interrupt::exit_code;
 pub use console::voice::aside as complain;
@@ -125,8 +126,8 @@ fn set_up(args: &EverywhereArgs) -> Result<()> {
 }
 
 /// Reads a scene and prints the warnings about its files.
-fn load_scene(args: &SceneArgs) -> Result<Scene> {
-    let scene = Scene::load_site(&args.site()?)?;
+fn load_scene(request: &SceneRequest) -> Result<Scene> {
+    let scene = Scene::load_site(&request.site()?)?;
     scene.report.tell(&Terminal::default());
     Ok(scene)
 }

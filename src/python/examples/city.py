@@ -35,7 +35,7 @@ print(site.count, "receivers in", site.tiles, "tiles")
 months = site.replay(WEATHER, every="month", year=2019)
 table = pd.DataFrame(site.receivers()).assign(total=months["total"].sum(axis=1))
 for kind, of in table.groupby("kind"):
-    print(f"{kind}: {np.average(of['total'], weights=of['area']):.1f} kWh/m2, {of['area'].sum():.1f} m2")
+    print(f"{kind}: {np.average(of['total'], weights=of['area_m2']):.1f} kWh/m2, {of['area_m2'].sum():.1f} m2")
 
 # %% [markdown]
 # ## Hours of the best receiver

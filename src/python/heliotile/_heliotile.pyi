@@ -19,6 +19,11 @@ def tiles_computed() -> int:
 def atlas_parts(
     atlas: str, bbox: Sequence[float] | None = None
 ) -> list[tuple[str, tuple[float, float], tuple[float, float], str, str | None, float]]: ...
+def build_part(
+    atlas: str, part: str, fresh: bool, threads: int | None, memory: int, progress: Progress | None
+) -> None:
+    """Builds a part of an atlas, on `threads` threads of its own or on those of this process."""
+
 def shown(place: str) -> str:
     """Returns the name of a place for messages: an address without password and signature."""
 

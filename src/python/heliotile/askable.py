@@ -142,7 +142,7 @@ class Askable(ABC):
         `pandas.DataFrame(site.receivers())`.
 
         Read-only arrays of shape `(receivers,)`: `receiver` (id), `x, y, z` in metres, the unit
-        normal `nx, ny, nz`, `area` in m2 (NaN if unknown), `surface, object, building, kind` (empty
+        normal `nx, ny, nz`, `area_m2` (NaN if unknown), `surface, object, building, kind` (empty
         if unknown), and the shares of the hemisphere `sky_view, ground_view, obstruction_view`.
         """
         wanted = wanted_args(receivers)
@@ -190,6 +190,7 @@ class Askable(ABC):
         by: str = "receiver",
         plots: Sequence[str | os.PathLike[str]] = (),
         geo: bool = False,
+        positions: bool = False,
         model: str | os.PathLike[str] | None = None,
         honeybee: str | os.PathLike[str] | None = None,
         **options: Unpack[ReplayOptions],
@@ -200,12 +201,13 @@ class Askable(ABC):
         Give `weather` with the options of `replay`, or `conditions` with the options of `query`.
         `by`: what a row stands for, `"receiver"`, `"surface"`, `"object"`, `"building"` or
         `"kind"`. `plots`: pictures, `.png` maps and `.svg` charts. `geo`: Parquet files are maps.
-        `model`: the city model that the receivers were placed on; the output is this model with
+        `positions`: position, direction and area of each receiver are columns, so that `build` can
+        read the table as its receivers. `model`: the city model that the receivers were placed on; the output is this model with
         sums added. `honeybee`: a folder of Honeybee's results in place of the output. Returns a
         sentence about what was written, if there is one.
         """
         check("write", options, ReplayOptions if conditions is None else QueryOptions)
-        files = files_request(output, by, geo, plots)
+        files = files_request(output, by, geo, plots) | {"positions": positions}
         files |= {name: os.fspath(path) for name, path in (("model", model), ("honeybee", honeybee)) if path is not None}
         wanted = wanted_args(options.get("receivers"))
         if (weather is None) == (conditions is None):

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import os
-import subprocess
-import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -12,9 +10,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from . import _heliotile
 from .archive import Archive, absolute
 from .askable import Askable
-from .options import MEMORY, Wanted, WantedArgs, wanted_args
-from .errors import Error, InputError
-from .given import wrong
+from .options import MEMORY, Progress, Wanted, WantedArgs, wanted_args
+from .errors import InputError
+from .given import whole, wrong
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -92,21 +90,25 @@ class Atlas(Askable):
             raise InputError(f"{_heliotile.shown(self.path)}: {what}\n  to fix: build them with Atlas.build(name) or heliotile.dask.build(atlas, client), or choose another bbox")
         return parts
 
-    def build(self, part: str | int, *, threads: int | None = None, fresh: bool = False) -> AtlasPart:
-        """Builds a part, by its name or number, in a process of its own. A part that is built from
-        the same inputs is kept. At an address, a part is published when it is complete.
+    def build(
+        self,
+        part: str | int,
+        *,
+        threads: int | None = None,
+        fresh: bool = False,
+        memory: int = MEMORY,
+        progress: Progress | None = None,
+    ) -> AtlasPart:
+        """Builds a part, by its name or number. A part that is built from the same inputs is kept,
+        and an interrupted build goes on. At an address, a part is published when it is complete.
 
         `threads`: number of threads of the build; default: all cores. `fresh` replaces a build of
-        other inputs.
+        other inputs. `memory`: memory for the work, bytes. `progress` is called now and then with
+        the stage, the number of items done, and the number of all (None: unknown).
         """
         if part == "all":
             raise wrong("part", "`all` is not one part", "build one after the other (for part in atlas.parts(): atlas.build(part.name)), or use heliotile.dask.build(atlas, client)")
-        words = [sys.executable, "-m", "heliotile", "build", self.path, "--part", str(part), "--quiet"]
-        words += ["--threads", str(threads)] if threads else []
-        words += ["--fresh"] if fresh else []
-        done = subprocess.run(words, capture_output=True, text=True, check=False)
-        if done.returncode:
-            raise Error(done.stderr.strip().removeprefix("heliotile: ") or f"the build of part {part} ended with exit code {done.returncode}")
+        _heliotile.build_part(self.path, str(part), fresh, whole("threads", threads), memory, progress)
         parts = self.parts()
         named = {known.name: known for known in parts}
         return named[str(part)] if str(part) in named else parts[int(part)]

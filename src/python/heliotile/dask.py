@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from . import given
 from .archive import Archive, absolute
-from .options import Wanted
+from .options import MEMORY, Wanted
 from .atlas import Atlas
 from .workers import share_threads
 
@@ -24,11 +24,12 @@ def build(atlas: Atlas | str, client: Client, *, parts: Sequence[str] | None = N
     """Builds the missing parts, or the named ones, and waits for them. Returns the names of the
     parts.
 
-    A build runs in a process of its own with `threads` threads, and a worker runs as many builds at
-    once as it has threads. With the default of 1 they fill its cores. A build whose worker is lost
-    is tried again elsewhere. A build that fails, or that Dask gives up because too many workers
-    were lost, is tried again up to `retries` times. A part gets its archive only when it is
-    complete, so no part is built twice or by half.
+    A build runs within the worker on `threads` threads of its own, and a worker runs as many builds
+    at once as it has threads. With the default of 1 they fill its cores. Builds share half of the
+    worker's memory limit. Their stages are events of Dask with the topic `heliotile`. A build whose
+    worker is lost is tried again elsewhere, and goes on where that one stopped. A build that fails,
+    or that Dask gives up because too many workers were lost, is tried again up to `retries` times.
+    A part gets its archive only when it is complete, so no part is built twice or by half.
     """
     from distributed import KilledWorker, wait
 
@@ -66,7 +67,20 @@ def replay(atlas: Atlas | str, weather: Any, *, receivers: Wanted | None = None,
 
 
 def _build(part: str, atlas: str, threads: int) -> str:
-    return Atlas.open(atlas).build(part, threads=threads).name
+    """Builds a part in a task of a worker."""
+    from distributed import get_worker
+
+    worker = get_worker()
+    limit = worker.memory_manager.memory_limit
+    memory = MEMORY if limit is None else min(MEMORY, limit * threads // (2 * worker.state.nthreads))
+    stages: set[str] = set()
+
+    def tell(stage: str, done: int, items: int | None) -> None:
+        if stage not in stages:
+            stages.add(stage)
+            worker.log_event("heliotile", {"part": part, "stage": stage, "items": items})
+
+    return Atlas.open(atlas).build(part, threads=threads, memory=memory, progress=tell).name
 
 
 def _rows(chosen: tuple[str, list[str] | None], weather: Any, choices: dict[str, Any], grid_north: bool) -> pd.DataFrame:

@@ -83,7 +83,7 @@ COORDINATES: dict[str, dict[str, str]] = {
     "nx": {"long_name": "normal of the receiver, x", "units": "1"},
     "ny": {"long_name": "normal of the receiver, y", "units": "1"},
     "nz": {"long_name": "normal of the receiver, z", "units": "1"},
-    "area": {"long_name": "area that the receiver stands for", "units": "m2"},
+    "area_m2": {"long_name": "area that the receiver stands for", "units": "m2"},
     "surface": {"long_name": "surface that the receiver is on"},
     "object": {"long_name": "object of the model"},
     "building": {"long_name": "building of the model"},

@@ -41,6 +41,8 @@ class Scene:
     rotate_deg, elevation, scale
         Direction of y clockwise from north, degrees; height of z = 0 above the sea, metres; metres
         per unit.
+    grid_north
+        Azimuths in tables of points count from the y axis, in place of true north.
     up
         The axis that points up in OBJ, PLY and STL files: `"z"`, with y to the north, or `"y"`, with z to the south.
     height, storey_height, base, height_above
@@ -68,6 +70,7 @@ class Scene:
         latitude: float | None = None,
         longitude: float | None = None,
         rotate_deg: float | None = None,
+        grid_north: bool = False,
         elevation: float | None = None,
         scale: float | None = None,
         up: str | None = None,
@@ -92,6 +95,7 @@ class Scene:
             "latitude": given.number("latitude", latitude, "give degrees, north positive"),
             "longitude": given.number("longitude", longitude, "give degrees, east positive"),
             "rotate_deg": given.number("rotate_deg", rotate_deg),
+            "grid_north": grid_north,
             "elevation": given.number("elevation", elevation),
             "scale": given.number("scale", scale),
             "up": up,
@@ -159,8 +163,8 @@ class Scene:
     def request(self) -> dict[str, Any]:
         """Returns the scene for a request."""
         frame = {"crs": "epsg", "latitude": "latitude_deg", "longitude": "longitude_deg", "rotate_deg": "rotate_deg", "elevation": "elevation_m"}
-        frame |= {"scale": "scale", "up": "up"}
-        said = {key: self._args[name] for name, key in frame.items() if self._args[name] is not None}
+        frame |= {"scale": "scale", "up": "up", "grid_north": "grid_north"}
+        said = {key: self._args[name] for name, key in frame.items() if self._args[name] not in (None, False)}
         request = {"files": self.files, "materials_only": self._args["materials_only"], "no_ground": not self._args["assume_ground"], "frame": said}
         footprints = {"height": self._args["height"], "storey_height_m": self._args["storey_height"], "base": self._args["base"]}
         footprints |= {"height_above": self._args["height_above"], "layer": self._args["layer"]}
@@ -234,7 +238,7 @@ def build(
         A `Scene`, or the files of one.
     receivers
         Path of a CSV file, a DataFrame or a mapping of arrays: `receiver` (id), `x, y, z` in
-        metres, `nx, ny, nz` or `tilt_deg, azimuth_deg`, and optionally `area` (m2), `surface` and
+        metres, `tilt_deg, azimuth_deg` (from true north) or `nx, ny, nz`, and optionally `area_m2`, `surface` and
         others on the book's page on receivers.
     output
         Path of the archive. An older archive at this path is replaced; any other file is an error.
@@ -272,11 +276,12 @@ def build(
         source = os.fspath(receivers)
     elif not isinstance(receivers, str):
         table = columns_of(receivers, "receivers")
-        if "area" in table and table["area"].dtype.kind == "f":
-            # Unknown areas become empty cells.
-            areas = table["area"].astype(object)
-            areas[np.isnan(table["area"])] = None
-            table["area"] = areas
+        for name in {"area", "area_m2"} & set(table):
+            if table[name].dtype.kind == "f":
+                # Unknown areas become empty cells.
+                areas = table[name].astype(object)
+                areas[np.isnan(table[name])] = None
+                table[name] = areas
         source = csv_of(table)
     if not isinstance(scene, Scene):
         scene = Scene(scene)

@@ -1,13 +1,16 @@
 //! Regions in parts. In: the folder of an atlas, or arguments of a command line. Out: the parts of
-//! the atlas; the program, run in this process.
+//! the atlas, listed or built; the program, run in this process.
 
 use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
 
 use crate::archive::bounds_of;
+use crate::asked::Memory;
 use crate::work;
+use heliotile_atlas::part::{PartRequest, build_parts};
 use heliotile_atlas::parts;
+use heliotile_core::error::Error;
 
 /// Name, low and high corner of the square, state, archive, and reach beyond the square in metres.
 type PartRow = (String, (f64, f64), (f64, f64), &'static str, Option<String>, f64);
@@ -24,6 +27,35 @@ pub fn atlas_parts(py: Python<'_>, atlas: PathBuf, bbox: Option<Vec<f64>>) -> Py
     };
     Ok(listed.iter().map(row).collect())
 }
+
+/// Builds a part of an atlas, by its name or number, on `threads` threads of its own; `None`: on
+/// those of this process.
+#[pyfunction]
+#[pyo3(signature = (atlas, part, fresh, threads, memory, progress))]
+pub fn build_part(
+    py: Python<'_>,
+    atlas: PathBuf,
+    part: &str,
+    fresh: bool,
+    threads: Option<usize>,
+    memory: Memory,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<()> {
+    work::run(py, progress.as_ref(), |watch| {
+        let request = PartRequest { part, fresh, memory: memory.0, from: None };
+        let build = || build_parts(&atlas, &request, watch);
+        let Some(threads) = threads else { return build() };
+        let refuse = |what: String| Error::argument("threads", what, "give a number of threads from 1 to 1024");
+        if !(1..=MAX_THREADS).contains(&threads) {
+            return Err(refuse(format!("is {threads}")));
+        }
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        pool.map_err(|error| refuse(error.to_string()))?.install(build)
+    })
+}
+
+/// Largest number of threads that a build may be given.
+const MAX_THREADS: usize = 1024;
 
 /// Returns the name of a place for messages: an address without password and signature.
 #[pyfunction]

@@ -37,6 +37,8 @@ mod _heliotile {
     #[pymodule_export]
     use super::atlas::atlas_parts;
     #[pymodule_export]
+    use super::atlas::build_part;
+    #[pymodule_export]
     use super::atlas::program;
     #[pymodule_export]
     use super::atlas::shown;

@@ -18,7 +18,7 @@ use crate::work;
 use heliotile::SiteReplay;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::{Component, ComponentList, ComponentSet};
-use heliotile_results::{ArrowRows, By, Layout, ONE_SIDE, Provenance, RowLabels, SideHours, Tile, TileSink};
+use heliotile_results::{ArrowRows, BinLabels, By, Layout, ONE_SIDE, Provenance, SideHours, Tile, TileSink};
 
 /// Smallest number of rows of a record batch, but for the last.
 const BATCH_ROWS: usize = 1 << 20;
@@ -26,7 +26,7 @@ const BATCH_ROWS: usize = 1 << 20;
 /// Description of results: number of receivers, labels, columns, and provenance.
 pub struct Frame {
     pub receivers: usize,
-    pub labels: RowLabels,
+    pub labels: BinLabels,
     components: ComponentList,
     layout: Layout,
     about: Provenance,

@@ -1,8 +1,7 @@
 //! A scene, and the archive that is traced from it. In: scene files, receivers, accuracy. Out: a
 //! scene; an archive.
 
-use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -19,7 +18,7 @@ use heliotile_builder::planning::AccuracyRequest;
 use heliotile_builder::settings::{EffectChoice, Quality};
 use heliotile_builder::trace::placement::Placement;
 use heliotile_builder::writing::guards::guard_site;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::Result;
 use heliotile_core::named::by_name;
 use heliotile_core::observer::Observer;
 use heliotile_results::SiteBuild;
@@ -27,6 +26,7 @@ use heliotile_results::covering::{CoverRequest, Density, check_name, cover_scene
 use heliotile_results::site_build::check_output;
 use heliotile_scene::footprint_options::{FootprintOptions, HeightAbove, HeightSource};
 use heliotile_scene::placing::frame::{SiteFrame, UpAxis};
+use heliotile_scene::points::receivers::ReceiverCsv;
 use heliotile_scene::request::SceneRequest;
 use heliotile_scene::site::Site;
 use heliotile_scene::{Scene, SurfaceRasters};
@@ -50,6 +50,7 @@ pub struct SceneArgs {
     latitude: Option<f64>,
     longitude: Option<f64>,
     rotate_deg: Option<f64>,
+    grid_north: bool,
     elevation: Option<f64>,
     scale: Option<f64>,
     up: Option<String>,
@@ -64,11 +65,24 @@ pub struct SceneArgs {
     landcover: Option<PathBuf>,
 }
 
-/// Table of receivers: a file, or its bytes.
+/// Table of receivers: a file, or its text.
 #[derive(FromPyObject)]
-pub enum ReceiverSource {
-    Table(PyBackedBytes),
+pub enum ReceiverTable {
+    Text(PyBackedBytes),
     File(PathBuf),
+}
+
+impl ReceiverTable {
+    fn csv(&self) -> ReceiverCsv<'_> {
+        match self {
+            ReceiverTable::Text(text) => ReceiverCsv::Text { name: Path::new("receivers"), text },
+            ReceiverTable::File(file) => ReceiverCsv::File(file),
+        }
+    }
+
+    fn file(&self) -> Option<&Path> {
+        if let ReceiverTable::File(file) = self { Some(file) } else { None }
+    }
 }
 
 /// Options of a build.
@@ -142,6 +156,7 @@ impl SceneArgs {
                 latitude_deg: self.latitude,
                 longitude_deg: self.longitude,
                 rotate_deg: self.rotate_deg,
+                grid_north: self.grid_north,
                 elevation_m: self.elevation,
                 scale: self.scale,
                 up,
@@ -212,14 +227,13 @@ impl SceneHandle {
     fn build(
         &self,
         py: Python<'_>,
-        receivers: ReceiverSource,
+        receivers: ReceiverTable,
         args: BuildArgs,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Built> {
         let accuracy = args.accuracy().map_err(|error| raised(py, error))?;
         work::run(py, progress.as_ref(), |watch| {
-            let given = Given::of(&receivers)?;
-            let inputs = [given.user_file(), args.error_weather.as_deref(), args.before.as_deref()];
+            let inputs = [receivers.file(), args.error_weather.as_deref(), args.before.as_deref()];
             // A wrong output is an error before the long work starts.
             check_output(&args.output, &self.site, &inputs)?;
             let effects = args.effects.parse::<EffectChoice>();
@@ -229,7 +243,7 @@ impl SceneHandle {
                 from: args.before.as_deref(),
                 preview_percent: args.preview,
                 memory: args.memory.0,
-                ..SiteBuild::new(&self.scene, given.path(), &accuracy)
+                ..SiteBuild::new(&self.scene, receivers.csv(), &accuracy)
             };
             let output = Output {
                 path: args.output.clone(),
@@ -257,44 +271,5 @@ impl BuildArgs {
             weather_options: request(&self.about_error_weather)?,
         };
         accuracy.settings().map(|_| accuracy)
-    }
-}
-
-/// A table of receivers on disk.
-enum Given<'a> {
-    File(&'a PathBuf),
-    Written {
-        path: PathBuf,
-        /// Temporary folder of the file, deleted with this value.
-        _folder: tempfile::TempDir,
-    },
-}
-
-impl<'a> Given<'a> {
-    fn of(source: &'a ReceiverSource) -> Result<Self> {
-        let bytes = match source {
-            ReceiverSource::File(file) => return Ok(Given::File(file)),
-            ReceiverSource::Table(bytes) => bytes,
-        };
-        let system = std::env::temp_dir();
-        let folder = tempfile::tempdir().map_err(Error::io(&system, "make a folder in"))?;
-        let path = folder.path().join("receivers.csv");
-        let mut file = std::fs::File::create(&path).map_err(Error::io(&path, "create"))?;
-        file.write_all(bytes).map_err(Error::io(&path, "write to"))?;
-        Ok(Given::Written { path, _folder: folder })
-    }
-
-    fn path(&self) -> &std::path::Path {
-        match self {
-            Given::File(file) => file,
-            Given::Written { path, .. } => path,
-        }
-    }
-
-    fn user_file(&self) -> Option<&std::path::Path> {
-        match self {
-            Given::File(file) => Some(file),
-            Given::Written { .. } => None,
-        }
     }
 }

@@ -26,7 +26,7 @@ const COLUMNS: [(&str, Told); 15] = [
     ("nx", Number(|receiver, _| receiver.normal.x)),
     ("ny", Number(|receiver, _| receiver.normal.y)),
     ("nz", Number(|receiver, _| receiver.normal.z)),
-    ("area", Number(|receiver, _| receiver.area.unwrap_or(f64::NAN))),
+    ("area_m2", Number(|receiver, _| receiver.area.unwrap_or(f64::NAN))),
     ("surface", Text(|receiver| receiver.surface.as_deref().unwrap_or_default())),
     ("object", Text(|receiver| &receiver.part.object)),
     ("building", Text(|receiver| &receiver.part.building)),

@@ -20,6 +20,7 @@ from heliotile._heliotile import tiles_computed
 import heliotile.dask
 import numpy as np
 import pandas as pd
+import psutil
 import pytest
 from conftest import DATA, DAYS, program
 from distributed import Client, LocalCluster
@@ -161,7 +162,8 @@ def test_parts_may_share_ids_of_receivers(tmp_path: Path) -> None:
 
 def test_a_killed_worker_changes_no_part(tmp_path: Path, whole: pd.Series, monkeypatch: pytest.MonkeyPatch) -> None:
     """Parts built by two workers, of which one is killed three times, are those of one machine: the same archives to the byte, 425 sums, also where
-    Dask gives a part up with the first worker that is lost around it; replays of a worker with one thread run on 1 thread."""
+    Dask gives a part up with the first worker that is lost around it; replays of a worker with one thread run on 1 thread. No worker starts a
+    process of heliotile, and stages are events of Dask."""
     alone, atlas = cut(tmp_path), cut(tmp_path / "cluster")
     monkeypatch.setattr(dask.config, "config", dask.config.merge(dask.config.config, {"distributed": {"scheduler": {"allowed-failures": 0}}}))
     for part in alone.parts():
@@ -178,10 +180,27 @@ def test_a_killed_worker_changes_no_part(tmp_path: Path, whole: pd.Series, monke
                     os.kill(chance.choice(pids), signal.SIGKILL)
                     killed.append(1)
 
-        killer = threading.Thread(target=kill)
-        killer.start()
+        children: set[str] = set()
+        ended = threading.Event()
+
+        def look() -> None:
+            while not ended.wait(0.05):
+                for nanny in list(cluster.workers.values()):
+                    try:
+                        found = psutil.Process(nanny.pid).children(recursive=True) if nanny.pid else []
+                        children.update(line for line in (" ".join(child.cmdline()) for child in found) if "heliotile" in line)
+                    except psutil.NoSuchProcess:
+                        pass
+
+        others = [threading.Thread(target=kill), threading.Thread(target=look)]
+        for other in others:
+            other.start()
         names = heliotile.dask.build(atlas, client)
-        killer.join()
+        others[0].join()
+        ended.set()
+        others[1].join()
+        events = [event for _, event in client.get_events("heliotile")]
+        assert not children and {event["part"] for event in events} == set(names) and all(event["stage"] for event in events)
         rows = heliotile.dask.replay(atlas, str(DAYS), every="total", columns=["total"])
         assert rows.npartitions == len(names)
         found = rows.compute().set_index("receiver").total_kwh_m2.sort_index()

@@ -193,7 +193,7 @@ def test_dates_and_numpy_numbers_are_accepted(site: heliotile.Archive, scene: he
     table = pd.DataFrame(site.receivers()).drop(columns=["sky_view", "ground_view", "obstruction_view"]).head(3)
     table.loc[table.index[0], "area"] = np.nan
     built = heliotile.build(DATA / "hague" / "scene.obj", table, tmp_path / "three.helio", quality="draft")
-    assert np.isnan(built.receivers()["area"]).sum() == 1 and built.count == 3
+    assert np.isnan(built.receivers()["area_m2"]).sum() == 1 and built.count == 3
 
 
 def test_outputs_replace_no_other_kind_of_file(scene: heliotile.Scene, site: heliotile.Archive, tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 from conftest import DATA, DAYS, PROGRAM, YEAR, program
 
-SIX = ["sun_direct", "sky_direct", "sun_diffuse", "sky_diffuse", "sun_specular", "sky_specular"]
+SIX = ["sun_direct", "sky_direct", "sun_reflected", "sky_reflected", "sun_mirrored", "sky_mirrored"]
 
 
 def of_program(folder: Path, command: str, site: heliotile.Archive, *words: object) -> np.ndarray:
@@ -41,9 +41,9 @@ def test_choices_are_the_programs(site: heliotile.Archive, tmp_path: Path) -> No
     ids = site.receivers()["receiver"][[40, 3, 77]].tolist()
     (tmp_path / "ids.csv").write_text("receiver\n" + "\n".join(ids) + "\n")
     words = ["--weather", DAYS, "--reflectance", "wall=0.6", "--schedule", f"ground={tmp_path / 'months.csv'}", "--snow", "depth"]
-    words += ["--sky", "perez1990", "--bounces", 2, "--columns", "total,sun_diffuse_ground", "--receivers", tmp_path / "ids.csv"]
+    words += ["--sky", "perez1990", "--bounces", 2, "--columns", "total,sun_reflected_ground", "--receivers", tmp_path / "ids.csv"]
     values = of_program(tmp_path, "replay", site, *words, "--year", 2019, "--steps", 3)
-    choices = dict(snow="depth", sky="perez1990", bounces=2, columns=["total", "sun_diffuse_ground"], year=2019, steps=3)
+    choices = dict(snow="depth", sky="perez1990", bounces=2, columns=["total", "sun_reflected_ground"], year=2019, steps=3)
     results = site.replay(DAYS, reflectance={"wall": 0.6, "ground": months}, receivers=ids, **choices)
     same(results, values)
     assert results.shape[0] == 3 and sorted(results.receivers) == sorted(ids)
@@ -133,9 +133,9 @@ def test_pvlib_columns_are_sums_of_components(site: heliotile.Archive) -> None:
     row = 10
     table = hours.to_pvlib(hours.receivers[row])
     assert list(table.columns) == ["poa_global", "poa_direct", "poa_diffuse", "poa_sky_diffuse", "poa_ground_diffuse"]
-    direct = hours["sun_direct"][row] + hours["sun_specular"][row]
-    sky = hours["sky_direct"][row] + hours["sky_specular"][row]
-    ground = hours["sun_diffuse"][row] + hours["sky_diffuse"][row]
+    direct = hours["sun_direct"][row] + hours["sun_mirrored"][row]
+    sky = hours["sky_direct"][row] + hours["sky_mirrored"][row]
+    ground = hours["sun_reflected"][row] + hours["sky_reflected"][row]
     assert (table["poa_direct"] == direct).all() and (table["poa_sky_diffuse"] == sky).all()
     assert (table["poa_global"] == direct + (sky + ground)).all() and table["poa_global"].max() > 100
     assert table.index[0].minute == 30 and table.index[0].utcoffset().total_seconds() == -7 * 3600
@@ -194,7 +194,7 @@ def test_receivers_have_unit_normals(site: heliotile.Archive) -> None:
     table = pd.DataFrame(site.receivers())
     assert len(table) == site.count == 78 and table["receiver"].tolist() == site.replay(DAYS, every="total").receivers
     assert np.allclose(np.hypot(np.hypot(table["nx"], table["ny"]), table["nz"]), 1, atol=1e-12)
-    assert set(table["surface"]) == {"roof", "wall"} and table["area"].sum() == pytest.approx(670.831 + 1575.87, abs=0.01)
+    assert set(table["surface"]) == {"roof", "wall"} and table["area_m2"].sum() == pytest.approx(670.831 + 1575.87, abs=0.01)
     assert ((table[["sky_view", "ground_view", "obstruction_view"]].sum(axis=1)) <= 1 + 1e-6).all()
     assert {material.kind for material in site.materials()} == {"ground", "obstruction"}
 
@@ -228,7 +228,7 @@ def test_a_year_is_the_programs(site: heliotile.Archive, tmp_path: Path) -> None
     same(results, values)
     table = site.receivers()
     roof = table["surface"] == "roof"
-    mean = (results["total"].sum(axis=1) * table["area"])[roof].sum() / table["area"][roof].sum()
+    mean = (results["total"].sum(axis=1) * table["area_m2"])[roof].sum() / table["area_m2"][roof].sum()
     assert mean == pytest.approx(1271.37, rel=0.02)
 
 

@@ -62,7 +62,7 @@ def test_a_build_reports_its_stages(scene: heliotile.Scene, tmp_path: Path) -> N
 
 
 #: More columns than usual: longer work.
-SPLIT = ["total", "sun_diffuse_ground", "sun_diffuse_obstruction", "sky_diffuse_ground", "sky_diffuse_obstruction"]
+SPLIT = ["total", "sun_reflected_ground", "sun_reflected_obstruction", "sky_reflected_ground", "sky_reflected_obstruction"]
 
 
 @pytest.fixture(autouse=True)

@@ -64,7 +64,7 @@ def test_a_dataset_states_units_and_provenance(dataset: xr.Dataset) -> None:
     """Units of CF, coordinates of the receivers, chunks of 64, provenance with the archive's root."""
     total = dataset["total"]
     assert total.attrs["units"] == "W m-2" and total.encoding["preferred_chunks"] == {"receiver": 64, "time": 72}
-    assert {"x", "y", "z", "nx", "ny", "nz", "area", "surface"} <= set(dataset.coords)
+    assert {"x", "y", "z", "nx", "ny", "nz", "area_m2", "surface"} <= set(dataset.coords)
     assert dataset["time"].attrs["standard_name"] == "time" and dataset["x"].attrs["units"] == "m"
     assert len(dataset.attrs["heliotile.archive_root"]) == 64 and dataset.attrs["heliotile.weather"] == DAYS.name
     south = dataset["total"].where((dataset["kind"] == "roof").compute(), drop=True)

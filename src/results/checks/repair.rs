@@ -136,7 +136,7 @@ impl RepairRequest {
             })?;
             return ReceiverTiles::from_receivers(&held, scene.mesh.origin, &workspace.folder, budget);
         };
-        let mut receivers = workspace.read_receivers(path, scene, resources.observer)?;
+        let mut receivers = workspace.read_receivers(path.as_path(), scene, resources.observer)?;
         match receivers.difference(archive)? {
             Some(what) => Err(Error::input(path, None, what, "give the receivers that the archive was built from")),
             None => Ok(receivers),

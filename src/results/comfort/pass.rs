@@ -15,7 +15,7 @@ use crate::files::{FileRequest, ResultRows, RowFiles, RowsAbout, name_of};
 use crate::outputs::periods::Every;
 use crate::outputs::provenance::Provenance;
 use crate::outputs::quantities::PlaceValues;
-use crate::outputs::tables::layout::{By, Labels, Layout};
+use crate::outputs::tables::layout::{BinKind, By, Layout};
 use crate::series::Series;
 use crate::stream::TileStream;
 use heliotile_core::comfort::index_curve::IndexCurve;
@@ -78,7 +78,7 @@ impl ComfortRequest {
         let climates = climates(self, conditions, &model, &asked, resources)?;
         self.tell_gaps(&climates, stream);
         let series = stream.series.by(every);
-        let labels = if every == Every::Hour { Labels::Times } else { Labels::Dates };
+        let labels = if every == Every::Hour { BinKind::Times } else { BinKind::Dates };
         let layout = Layout::of_quantities(labels, By::Receiver, columns.quantities());
         let rows = ResultRows::of(layout, series.labels.clone(), Some(every));
         let about = stream.with_series(&series).about(archives, place);

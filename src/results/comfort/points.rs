@@ -28,7 +28,7 @@ use heliotile_core::text::counted;
 use heliotile_scene::Scene;
 use heliotile_scene::covering::cover::Density;
 use heliotile_scene::load::Soup;
-use heliotile_scene::pv::points::{PointDefaults, read_points};
+use heliotile_scene::points::places::{PointDefaults, read_points};
 use heliotile_scene::region_part::RegionPart;
 use heliotile_scene::request::SceneRequest;
 use heliotile_scene::site::Site;

@@ -10,7 +10,7 @@ use crate::archives::{Archives, Sources};
 use crate::files::{FileRequest, Question, RowsAbout, name_of, write_rows};
 use crate::outputs::periods::Every;
 use crate::outputs::provenance::Provenance;
-use crate::outputs::tables::layout::{By, Labels, Layout};
+use crate::outputs::tables::layout::{BinKind, By, Layout};
 use crate::receivers::{ReceiverChoice, ReceiverSet};
 use crate::request::LightChoice;
 use crate::series::{Coarsening, Series};
@@ -117,9 +117,9 @@ impl CompareRequest {
     }
 }
 
-/// Returns the kind of labels of the summary: sums over all of the time, or means under conditions.
-fn sums_of(series: &Series) -> Labels {
-    if series.kind == Labels::Conditions { Labels::Conditions } else { Labels::Sums }
+/// Returns the kind of bins of the summary: sums over all of the time, or means under conditions.
+fn sums_of(series: &Series) -> BinKind {
+    if series.kind == BinKind::Conditions { BinKind::Conditions } else { BinKind::Sums }
 }
 
 /// Returns names that tell archives apart: file names, or paths if file names are not unique.
@@ -140,7 +140,7 @@ struct Pass<'p> {
     receivers: Box<dyn Iterator<Item = Result<Receiver>> + 'p>,
     rows: Box<dyn Iterator<Item = u32> + 'p>,
     components: &'p ComponentList,
-    /// Map of all labels to one; `None` if there is only one, and under conditions.
+    /// Map of all bins to one; `None` if there is only one, and under conditions.
     coarsening: Option<Coarsening>,
     folder: &'p Path,
     variants: &'p mut [Variant],
@@ -160,7 +160,7 @@ impl Pass<'_> {
         let main = self.components.main();
         let coarse = self.coarsening.as_ref().map(|to| to.of(values, ComponentSet::of(&[main])));
         let values = coarse.as_ref().unwrap_or(values);
-        let count = values.labels().max(1) as f64;
+        let count = values.bins().max(1) as f64;
         let sum = |row: usize| values.row(main, row).iter().map(|value| f64::from(*value)).sum::<f64>() / count;
         (0..values.receivers()).map(sum).collect()
     }
@@ -176,13 +176,13 @@ impl TileSink for PassSink<'_, '_> {
     }
 
     fn take(&mut self, tile: &Tile) -> Result<bool> {
-        let (pass, count, labels) = (&mut *self.pass, tile.ids.len(), tile.values.labels());
+        let (pass, count, bins) = (&mut *self.pass, tile.ids.len(), tile.values.bins());
         let receivers: Vec<Receiver> = pass.receivers.by_ref().take(count).collect::<Result<_>>()?;
         let rows: Vec<u32> = pass.rows.by_ref().take(count).collect();
         let before = pass.sums(tile.values);
         let mut wants_more = true;
         for number in 0..pass.variants.len() {
-            let (is_there, values) = pass.variants[number].values(&rows, pass.components, labels, pass.folder)?;
+            let (is_there, values) = pass.variants[number].values(&rows, pass.components, bins, pass.folder)?;
             let after = pass.sums(&values);
             let tally = &mut pass.variants[number].tally;
             for (row, receiver) in receivers.iter().enumerate().filter(|(row, _)| is_there[*row]) {

@@ -114,7 +114,7 @@ impl VariantReplay<'_> {
         Ok(Variant { name, root: archives.root(), moved, unmatched, tally, values: values.peekable() })
     }
 
-    /// Replays receivers and sorts their values, `[component][label]`, by their rows before.
+    /// Replays receivers and sorts their values, `[component][bin]`, by their rows before.
     fn replay(&self, receivers: &ReceiverSet, rows: &[u32]) -> Result<Sorted> {
         let mut sorter = Sorter::new(self.folder, self.memory_bytes);
         let mut rows = rows.iter();
@@ -138,10 +138,10 @@ impl Variant {
         &mut self,
         rows: &[u32],
         components: &ComponentList,
-        labels: usize,
+        bins: usize,
         folder: &Path,
     ) -> Result<(Vec<bool>, TileValues)> {
-        let mut found = TileValues::new(rows.len(), labels);
+        let mut found = TileValues::new(rows.len(), bins);
         let mut is_there = vec![false; rows.len()];
         for (number, row) in rows.iter().enumerate() {
             let key = row.to_be_bytes();
@@ -149,11 +149,11 @@ impl Variant {
             let Some(record) = self.values.next_if(is_next) else { continue };
             let bytes = record?.1;
             let (numbers, rest) = bytes.as_chunks();
-            if !rest.is_empty() || numbers.len() != labels * components.as_slice().len() {
+            if !rest.is_empty() || numbers.len() != bins * components.as_slice().len() {
                 return Err(damaged(folder));
             }
             is_there[number] = true;
-            for (component, from) in components.as_slice().iter().zip(numbers.chunks(labels.max(1))) {
+            for (component, from) in components.as_slice().iter().zip(numbers.chunks(bins.max(1))) {
                 let to = found.row_mut(*component, number);
                 to.iter_mut().zip(from).for_each(|(to, from)| *to = f32::from_le_bytes(*from));
             }

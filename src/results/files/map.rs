@@ -85,7 +85,7 @@ impl<'a> MapStart<'a> {
             path: self.path,
             format: self.format,
             layout: self.rows.layout(),
-            labels: self.rows.labels(),
+            labels: self.rows.bin_labels(),
             every: self.rows.every(),
             crs: crs_of(first.archive),
             north: self.receivers.north(),

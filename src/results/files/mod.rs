@@ -39,6 +39,9 @@ pub struct FileRequest {
     pub output: PathBuf,
     /// Subject of a row: a receiver or a group.
     pub by: By,
+    /// True if a table of receivers holds their positions, directions and areas: it can then be read
+    /// as a table of receivers.
+    pub positions: bool,
     /// True if Parquet is written as a map.
     pub geo: bool,
     /// Pictures: maps (.png) and charts (.svg).
@@ -59,12 +62,16 @@ impl FileRequest {
     /// Returns a request for a table or a map of receivers.
     pub fn of(output: impl Into<PathBuf>) -> Self {
         let (output, by) = (output.into(), By::Receiver);
-        FileRequest { output, by, geo: false, plots: Vec::new(), model: None, honeybee: None }
+        FileRequest { output, by, positions: false, geo: false, plots: Vec::new(), model: None, honeybee: None }
     }
 
     /// Refuses files that cannot hold such results, and files that would replace an input, before
     /// anything is read.
     pub fn check(&self, columns: Option<&ComponentList>, every: Option<Every>, inputs: &[&Path]) -> Result<()> {
+        if self.positions && self.by != By::Receiver {
+            let what = format!("rows are about groups of receivers, {{by}} {}", self.by.name());
+            return Err(Error::argument("positions", what, "leave {by} out, or {positions}"));
+        }
         let inputs: Vec<&Path> = inputs.iter().copied().chain(self.model.as_deref()).collect();
         if self.output != Path::new("-") {
             files_of(&self.output).iter().try_for_each(|file| guard_output(file, &inputs))?;

@@ -13,9 +13,9 @@ use crate::outputs::quantities::PlaceValues;
 use crate::outputs::result_table::ResultTable;
 use crate::outputs::results::ResultWriter;
 use crate::outputs::shapes::writer::MapFormat;
+use crate::outputs::tables::bin_labels::BinLabels;
 use crate::outputs::tables::format::Places;
-use crate::outputs::tables::layout::{By, Layout};
-use crate::outputs::tables::row_labels::RowLabels;
+use crate::outputs::tables::layout::{By, Fact, Layout};
 use crate::receivers::ReceiverSet;
 use crate::resources::Resources;
 use crate::stream::{Sinks, Tile, TileSink, TileStream};
@@ -24,6 +24,8 @@ use heliotile_core::memory::Use;
 use heliotile_core::observer::Observer;
 use heliotile_core::replay::components::{ComponentList, ComponentSet};
 use heliotile_core::replay::values::TileValues;
+use heliotile_core::site::north::North;
+use heliotile_core::site::receiver::Receiver;
 
 /// Subject of the columns of results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,7 +51,7 @@ pub struct RowsAbout<'a> {
 /// Columns of a file, and the labels of the rows of each place.
 pub struct ResultRows {
     layout: Layout,
-    labels: RowLabels,
+    labels: BinLabels,
     every: Option<Every>,
 }
 
@@ -69,8 +71,14 @@ pub struct ResultSink<'a> {
     /// Means of groups in each archive, in the order of [`Tile::sides`]; empty if rows are about
     /// receivers.
     means: Vec<GroupMeans>,
+    /// Receivers that are still to come, if the table has their positions.
+    positions: Option<Positions<'a>>,
+    north: North,
     files: RowFiles<'a>,
 }
+
+/// Receivers in the order of results.
+type Positions<'a> = Box<dyn Iterator<Item = Result<Receiver>> + 'a>;
 
 /// Map to write.
 #[derive(Clone, Debug)]
@@ -106,8 +114,15 @@ impl ResultRows {
     }
 
     /// Returns rows of these columns and labels.
-    pub fn of(layout: Layout, labels: RowLabels, every: Option<Every>) -> Self {
+    pub fn of(layout: Layout, labels: BinLabels, every: Option<Every>) -> Self {
         ResultRows { layout, labels, every }
+    }
+
+    /// Returns rows of receivers with their positions, directions and areas.
+    #[must_use]
+    pub fn with_positions(mut self) -> Self {
+        self.layout.facts = Fact::OF_RECEIVERS.to_vec();
+        self
     }
 
     /// Returns the columns.
@@ -116,7 +131,7 @@ impl ResultRows {
     }
 
     /// Returns the labels of the rows of a place.
-    pub fn labels(&self) -> &RowLabels {
+    pub fn bin_labels(&self) -> &BinLabels {
         &self.labels
     }
 
@@ -205,7 +220,12 @@ impl<'a> RowFiles<'a> {
 
 impl<'a> ResultSink<'a> {
     /// Returns a sink of rows without any file yet.
-    pub fn new(rows: &'a ResultRows, groups: Option<Groups>, question: Question, stream: &TileStream) -> Result<Self> {
+    pub fn new(
+        rows: &'a ResultRows,
+        groups: Option<Groups>,
+        question: Question,
+        stream: &TileStream<'a>,
+    ) -> Result<Self> {
         let memory = stream.resources.memory;
         let (sides, memory) = match question {
             Question::Irradiance => (1, memory.share(Use::SurfaceSums)),
@@ -215,7 +235,10 @@ impl<'a> ResultSink<'a> {
         let means = groups.iter().flat_map(|groups| (0..sides).map(move |_| groups.clone()));
         let means = means.map(|groups| GroupMeans::new(groups, components.as_slice(), rows.labels.len(), memory));
         let means = means.collect::<Result<_>>()?;
-        Ok(ResultSink { components, means, files: RowFiles::new(rows, groups) })
+        let has_positions = rows.layout.facts.contains(&Fact::Coordinate(0));
+        let positions = has_positions.then(|| Box::new(stream.receivers.receivers()) as Positions);
+        let north = stream.receivers.north();
+        Ok(ResultSink { components, means, positions, north, files: RowFiles::new(rows, groups) })
     }
 
     /// Adds a table, which is created once the replay is known to work.
@@ -233,6 +256,12 @@ impl<'a> ResultSink<'a> {
     /// Hands the values of some places in each archive to all files.
     fn write(&mut self, names: &[String], sides: &[&TileValues], extents: &[Extent]) -> Result<()> {
         self.files.write(names, &PlaceValues::of(sides, self.components.as_slice()), extents)
+    }
+
+    /// Returns the extents of the next receivers, if the table has their positions.
+    fn extents(&mut self, count: usize) -> Result<Vec<Extent>> {
+        let next = self.positions.iter_mut().flat_map(|all| all.take(count));
+        next.map(|receiver| Ok(Extent::of(&receiver?, self.north))).collect()
     }
 
     /// Completes the files.
@@ -260,7 +289,10 @@ impl TileSink for ResultSink<'_> {
 
     fn take(&mut self, tile: &Tile) -> Result<bool> {
         match self.means.is_empty() {
-            true => self.write(tile.ids, &tile.sides().collect::<Vec<_>>(), &[])?,
+            true => {
+                let extents = self.extents(tile.ids.len())?;
+                self.write(tile.ids, &tile.sides().collect::<Vec<_>>(), &extents)?;
+            }
             false => self.means.iter_mut().zip(tile.sides()).try_for_each(|(means, values)| means.add(values))?,
         }
         Ok(!self.files.is_closed())
@@ -277,7 +309,10 @@ pub fn write_rows<'s>(
 ) -> Result<()> {
     let RowsAbout { called, about, place, .. } = told;
     let plots = Plot::all(&request.plots, stream.series)?;
-    let (rows, groups) = ResultRows::new(stream, question, request.by, place)?;
+    let (mut rows, groups) = ResultRows::new(stream, question, request.by, place)?;
+    if request.positions {
+        rows = rows.with_positions();
+    }
     let drawn = plots.iter().filter(|(_, plot)| *plot == Plot::Map).map(|(path, _)| *path);
     let maps = request.maps(drawn)?;
     let mut sink = ResultSink::new(&rows, groups, question, stream)?;

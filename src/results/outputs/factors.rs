@@ -30,8 +30,8 @@ impl FactorTable {
         let (azimuths, altitudes) = grid.suns().unzip();
         let mut columns = vec![
             Column::of_places(place, Kind::Text),
-            Column::number_of_steps("sun_azimuth_deg", azimuths),
-            Column::number_of_steps("sun_altitude_deg", altitudes),
+            Column::numbers_of_bins("sun_azimuth_deg", azimuths),
+            Column::numbers_of_bins("sun_altitude_deg", altitudes),
         ];
         columns.extend(FACTORS.map(|name| Column::float(name, Digits::Decimals(6)).with_unit("1")));
         let table = TableWriter::create(path, TableColumns::new(columns), Places::counted(count), Some(about))?;

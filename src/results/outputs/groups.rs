@@ -51,6 +51,16 @@ pub struct Extent {
     pub normal: DVec3,
     /// Length of the mean before it is normalised: 1 if all receivers face the same way.
     pub agreement: f64,
+    /// Position of a receiver, input coordinates in metres; zero for groups.
+    pub position: DVec3,
+}
+
+impl Extent {
+    /// Returns the extent of a receiver, with its normal by true north.
+    pub fn of(receiver: &Receiver, north: North) -> Extent {
+        let Receiver { area, normal, position, .. } = *receiver;
+        Extent { area_m2: area, normal: north.to_true(normal), agreement: 1.0, position }
+    }
 }
 
 /// Running sums of a group while receivers are read.
@@ -120,11 +130,16 @@ impl Groups {
         let extent = |group: &Found| match group.with_area {
             0 => {
                 let agreement = group.plain.length() / group.receivers.max(1) as f64;
-                Extent { area_m2: None, normal: group.plain.normalize_or_zero(), agreement }
+                Extent { normal: group.plain.normalize_or_zero(), agreement, ..Extent::default() }
             }
             _ => {
                 let agreement = group.weighted.length() / group.area_m2;
-                Extent { area_m2: Some(group.area_m2), normal: group.weighted.normalize_or_zero(), agreement }
+                Extent {
+                    area_m2: Some(group.area_m2),
+                    normal: group.weighted.normalize_or_zero(),
+                    agreement,
+                    ..Extent::default()
+                }
             }
         };
         let extents = found.values().map(extent).collect();
@@ -204,8 +219,8 @@ fn name_of(receiver: &Receiver, by: By) -> Option<String> {
 #[derive(Clone, Debug)]
 pub struct GroupMeans {
     groups: Groups,
-    labels: usize,
-    /// Requested components with their sums, `[group][label]`.
+    bins: usize,
+    /// Requested components with their sums, `[group][bin]`.
     sums: Vec<(Component, Vec<f64>)>,
     /// Number of receivers that were added.
     done: usize,
@@ -213,14 +228,14 @@ pub struct GroupMeans {
 
 impl GroupMeans {
     /// Returns zero sums; fails if they take more than `memory_bytes`.
-    pub fn new(groups: Groups, components: &[Component], labels: usize, memory_bytes: u64) -> Result<Self> {
-        let cells = groups.names.len().saturating_mul(labels);
+    pub fn new(groups: Groups, components: &[Component], bins: usize, memory_bytes: u64) -> Result<Self> {
+        let cells = groups.names.len().saturating_mul(bins);
         let bytes = (cells as u64).saturating_mul(8 * components.len() as u64);
         if bytes > memory_bytes {
             let (s, c) = (groups.names.len(), components.len());
             return Err(Error::Limit {
                 what: format!(
-                    "the memory of sums, in bytes, for {s} rows of names, {labels} rows of each and {c} columns (raise {{memory}}, \
+                    "the memory of sums, in bytes, for {s} rows of names, {bins} rows of each and {c} columns (raise {{memory}}, \
                      choose fewer {{columns}} or a longer {{every}})"
                 ),
                 value: bytes,
@@ -228,7 +243,7 @@ impl GroupMeans {
             });
         }
         let sums = components.iter().map(|component| (*component, vec![0.0; cells])).collect();
-        Ok(GroupMeans { groups, labels, sums, done: 0 })
+        Ok(GroupMeans { groups, bins, sums, done: 0 })
     }
 
     pub fn groups(&self) -> &Groups {
@@ -243,13 +258,13 @@ impl GroupMeans {
             return Err(self.groups.missing(range.end - 1));
         };
         self.done = range.end;
-        let labels = self.labels;
+        let bins = self.bins;
         // Each thread adds one component, so each sum is added in the order of receivers.
         self.sums.par_iter_mut().for_each(|(component, sums)| {
             for (row, (place, share)) in places.iter().zip(shares).enumerate() {
-                let first = *place as usize * labels;
+                let first = *place as usize * bins;
                 let values = values.row(*component, row);
-                let sums = &mut sums[first..first + labels];
+                let sums = &mut sums[first..first + bins];
                 sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += share * f64::from(*value));
             }
         });
@@ -260,8 +275,8 @@ impl GroupMeans {
     /// were not requested are zero.
     pub fn tiles(&self) -> impl Iterator<Item = (Vec<String>, TileValues, &[Extent])> + '_ {
         self.groups.names.chunks(GROUPS_AT_ONCE).enumerate().map(move |(i, names)| {
-            let mut values = TileValues::new(names.len(), self.labels);
-            let first = i * GROUPS_AT_ONCE * self.labels;
+            let mut values = TileValues::new(names.len(), self.bins);
+            let first = i * GROUPS_AT_ONCE * self.bins;
             for (component, sums) in &self.sums {
                 let here = sums.iter().skip(first);
                 let target = values.component_mut(*component);

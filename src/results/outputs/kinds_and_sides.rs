@@ -123,8 +123,8 @@ fn line(out: &mut String, name: &str, group: &Group) {
         group.receivers,
         group.mean(&[Component::SunDirect]),
         group.mean(&[Component::SkyDirect]),
-        group.mean(&[Component::SunDiffuse, Component::SkyDiffuse]),
-        group.mean(&[Component::SunSpecular, Component::SkySpecular]),
+        group.mean(&[Component::SunReflected, Component::SkyReflected]),
+        group.mean(&[Component::SunMirrored, Component::SkyMirrored]),
     );
 }
 

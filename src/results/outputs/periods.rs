@@ -4,7 +4,7 @@
 use heliotile_core::named::NamedValues;
 use std::collections::HashMap;
 
-use crate::outputs::tables::row_labels::{Precision, RowLabels};
+use crate::outputs::tables::bin_labels::{BinLabels, Precision};
 use heliotile_core::units::kwh_from_w;
 use heliotile_core::weather::conditions::Stamp;
 use heliotile_core::weather::options::StampedAt;
@@ -43,7 +43,7 @@ pub struct ClockReading {
 /// Periods of a series, in order of first appearance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Periods {
-    pub labels: RowLabels,
+    pub labels: BinLabels,
     /// `[condition]`: index into `labels`.
     pub index_of_condition: Vec<usize>,
     /// `[condition]`: length of its interval, hours. A sum in kWh/m2 is the sum over conditions of
@@ -81,8 +81,8 @@ impl Periods {
             }
             index_of_condition.push(place);
         }
-        let moments = |precision| RowLabels::moments(&starts, clock.offset, precision);
-        let words = |word: fn(&Date) -> String| RowLabels::words(starts.iter().map(|(date, _)| word(date)).collect());
+        let moments = |precision| BinLabels::moments(&starts, clock.offset, precision);
+        let words = |word: fn(&Date) -> String| BinLabels::words(starts.iter().map(|(date, _)| word(date)).collect());
         let labels = match (every, years.matter()) {
             (Every::Hour, _) => moments(Precision::Minute),
             (Every::Day, true) => moments(Precision::Day),
@@ -177,7 +177,7 @@ mod tests {
         assert_eq!(periods(Every::Year, &s).labels.text, ["2019"]);
         assert_eq!(periods(Every::Hour, &s).index_of_condition, [0, 1, 2]);
         let total = periods(Every::Total, &s);
-        assert_eq!((total.labels, total.index_of_condition), (RowLabels::words(vec!["total".into()]), vec![0; 3]));
+        assert_eq!((total.labels, total.index_of_condition), (BinLabels::words(vec!["total".into()]), vec![0; 3]));
         assert_eq!(day.labels.instants.map(|i| i.utc_s), Some(vec![1_548_889_200, 1_548_975_600]));
     }
 
@@ -187,7 +187,7 @@ mod tests {
         let s = series(&[(2007, 1, 1), (2004, 2, 1)]);
         assert_eq!(periods(Every::Day, &s).labels.text, ["01-01", "02-01"]);
         assert_eq!(periods(Every::Month, &s).labels.text, ["01", "02"]);
-        assert_eq!(periods(Every::Year, &s).labels, RowLabels::words(vec!["year".into()]));
+        assert_eq!(periods(Every::Year, &s).labels, BinLabels::words(vec!["year".into()]));
         assert_eq!(periods(Every::Hour, &s).labels.text, ["2007-01-01T23:00+01:00", "2004-02-01T23:00+01:00"]);
     }
 
@@ -197,7 +197,7 @@ mod tests {
     fn a_month_of_a_typical_year_shows_no_year() {
         let s = series(&[(2007, 1, 1), (2007, 1, 2)]);
         let month = Periods::new(Every::Month, Years::Typical, &s, ClockReading::default());
-        assert_eq!(month.labels, RowLabels::words(vec!["01".into()]));
+        assert_eq!(month.labels, BinLabels::words(vec!["01".into()]));
     }
 
     /// Two Januaries are two months and two years; no rows give no periods.

@@ -9,7 +9,7 @@ use crate::outputs::pictures::colours::label;
 use heliotile_core::replay::components::{Component, ComponentList, LightMeasure};
 use heliotile_core::replay::values::TileValues;
 
-/// Number that each place has for each label.
+/// Number that each place has for each bin.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Quantity {
     /// Name of its column without the ending that states the unit: `sun_direct`, `change_total`.
@@ -25,7 +25,7 @@ pub struct Quantity {
 /// Measure of a quantity: its unit, and its form in tables.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Measure {
-    /// Light, in the unit for the labels.
+    /// Light, in the unit for the bins.
     Light(LightMeasure),
     /// Percentage.
     Percent,
@@ -219,27 +219,27 @@ impl ChangeKind {
 #[derive(Clone, Debug)]
 pub struct PlaceValues<'v> {
     places: usize,
-    labels: usize,
-    /// `[array][place][label]`, row-major.
+    bins: usize,
+    /// `[array][place][bin]`, row-major.
     arrays: Vec<&'v [f32]>,
 }
 
 impl<'v> PlaceValues<'v> {
     /// Returns the components of one archive, or of one and then of another. All must have as many
-    /// receivers and labels as the first.
+    /// receivers and bins as the first.
     pub fn of(sides: &[&'v TileValues], components: &[Component]) -> Self {
-        let (places, labels) = sides.first().map_or((0, 0), |first| (first.receivers(), first.labels()));
+        let (places, bins) = sides.first().map_or((0, 0), |first| (first.receivers(), first.bins()));
         let of_side = |side: &&'v TileValues| {
             let side = *side;
             components.iter().map(move |component| side.component(*component))
         };
-        PlaceValues { places, labels, arrays: sides.iter().flat_map(of_side).collect() }
+        PlaceValues { places, bins, arrays: sides.iter().flat_map(of_side).collect() }
     }
 
-    /// Returns the values of `places` places and `labels` labels from arrays `[place][label]`,
+    /// Returns the values of `places` places and `bins` bins from arrays `[place][bin]`,
     /// row-major.
-    pub fn of_arrays(places: usize, labels: usize, arrays: &'v [Vec<f32>]) -> Self {
-        PlaceValues { places, labels, arrays: arrays.iter().map(Vec::as_slice).collect() }
+    pub fn of_arrays(places: usize, bins: usize, arrays: &'v [Vec<f32>]) -> Self {
+        PlaceValues { places, bins, arrays: arrays.iter().map(Vec::as_slice).collect() }
     }
 
     /// Returns the number of places, the second axis.
@@ -247,31 +247,31 @@ impl<'v> PlaceValues<'v> {
         self.places
     }
 
-    /// Returns the number of labels, the third axis.
-    pub fn labels(&self) -> usize {
-        self.labels
+    /// Returns the number of bins, the third axis.
+    pub fn bins(&self) -> usize {
+        self.bins
     }
 
-    /// Returns the array `number`, `[place][label]`.
+    /// Returns the array `number`, `[place][bin]`.
     pub fn array(&self, number: usize) -> &'v [f32] {
         self.arrays.get(number).copied().unwrap_or_default()
     }
 
-    /// Returns the values `[label]` of an array at a place.
+    /// Returns the values `[bin]` of an array at a place.
     pub fn row(&self, number: usize, place: usize) -> &'v [f32] {
-        self.array(number).get(place * self.labels..(place + 1) * self.labels).unwrap_or_default()
+        self.array(number).get(place * self.bins..(place + 1) * self.bins).unwrap_or_default()
     }
 
-    /// Returns the value of a source at a place for a label; NaN if there is none.
-    pub fn value(&self, source: ValueSource, place: usize, label: usize) -> f32 {
+    /// Returns the value of a source at a place for a bin; NaN if there is none.
+    pub fn value(&self, source: ValueSource, place: usize, bin: usize) -> f32 {
         if let ValueSource::Array(number) = source {
-            return self.row(number, place).get(label).copied().unwrap_or_default();
+            return self.row(number, place).get(bin).copied().unwrap_or_default();
         }
-        let array = |number: usize| self.row(number, place).get(label).copied().map_or(f64::NAN, f64::from);
+        let array = |number: usize| self.row(number, place).get(bin).copied().map_or(f64::NAN, f64::from);
         source.of(array).map_or(f32::NAN, |value| value as f32)
     }
 
-    /// Returns the value of a source at a place, computed from the sums over all labels.
+    /// Returns the value of a source at a place, computed from the sums over all bins.
     pub fn value_of_sums(&self, source: ValueSource, place: usize) -> f64 {
         let sum = |number: usize| self.row(number, place).iter().map(|value| f64::from(*value)).sum::<f64>();
         source.of(sum).unwrap_or(f64::NAN)

@@ -1,5 +1,5 @@
 //! Table of receivers that builds read. In: points on surfaces. Out:
-//! `receiver,x,y,z,nx,ny,nz,area,surface`, the part of the model that they stand for, their patch
+//! `receiver,x,y,z,nx,ny,nz,area_m2,surface`, the part of the model that they stand for, their patch
 //! and, for those that are left out, a reason.
 
 use std::path::Path;
@@ -11,7 +11,7 @@ use super::tables::rows::{Cell, RowWriter};
 use heliotile_core::error::Result;
 use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::site::patch::Patch;
-use heliotile_scene::covering::receivers::PATCH;
+use heliotile_scene::points::receivers::PATCH;
 
 /// Row of the table.
 pub struct ReceiverRow<'a> {
@@ -33,12 +33,12 @@ pub struct ReceiverRow<'a> {
 const DECIMALS: usize = 4;
 const NORMAL_DECIMALS: usize = 6;
 
-/// Returns the columns `receiver,x,y,z,nx,ny,nz,area,surface` and those of the part of the model.
+/// Returns the columns `receiver,x,y,z,nx,ny,nz,area_m2,surface` and those of the part of the model.
 pub fn columns_of_receivers() -> Vec<Column> {
     let mut columns = vec![Column::text("receiver")];
     columns.extend(["x", "y", "z"].map(|name| Column::number(name, DECIMALS)));
     columns.extend(["nx", "ny", "nz"].map(|name| Column::number(name, NORMAL_DECIMALS)));
-    columns.extend([Column::number("area", DECIMALS), Column::text("surface")]);
+    columns.extend([Column::number("area_m2", DECIMALS), Column::text("surface")]);
     columns.extend(ModelPart::COLUMNS.map(Column::text));
     columns
 }

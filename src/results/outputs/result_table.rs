@@ -8,10 +8,10 @@ use crate::outputs::groups::Extent;
 use crate::outputs::provenance::Provenance;
 use crate::outputs::quantities::{ChangeKind, Measure, PlaceValues, Quantity, ValueSource};
 use crate::outputs::tables::batch::{Batch, Values};
+use crate::outputs::tables::bin_labels::BinLabels;
 use crate::outputs::tables::column::Digits;
 use crate::outputs::tables::format::{Format, Places};
 use crate::outputs::tables::layout::{Fact, Layout};
-use crate::outputs::tables::row_labels::RowLabels;
 use crate::outputs::tables::writer::{Stats, TableWriter};
 use heliotile_core::error::Result;
 use heliotile_core::units::tilt_and_azimuth;
@@ -20,7 +20,7 @@ use heliotile_core::units::tilt_and_azimuth;
 pub struct ResultTable {
     table: TableWriter,
     rows: TableRows,
-    labels: usize,
+    bins: usize,
 }
 
 /// Columns of the rows, and how their values are rounded.
@@ -33,26 +33,20 @@ struct TableRows {
 
 impl ResultTable {
     /// Starts a table in the format given by the ending of its name.
-    pub fn create(
-        path: &Path,
-        layout: &Layout,
-        labels: &RowLabels,
-        places: &Places,
-        about: &Provenance,
-    ) -> Result<Self> {
-        let table = TableWriter::create(path, layout.columns(labels), *places, Some(about))?;
+    pub fn create(path: &Path, layout: &Layout, bins: &BinLabels, places: &Places, about: &Provenance) -> Result<Self> {
+        let table = TableWriter::create(path, layout.columns(bins), *places, Some(about))?;
         let rounding = (Format::of(path)? == Format::Csv).then(|| layout.digits_of_irradiance());
-        Ok(ResultTable { table, rows: TableRows { layout: layout.clone(), rounding }, labels: labels.len() })
+        Ok(ResultTable { table, rows: TableRows { layout: layout.clone(), rounding }, bins: bins.len() })
     }
 
-    /// Appends the rows of some places. Values of another shape than names x labels are an error,
-    /// and nothing is written then. `extents` has one entry for each group; it is empty for
-    /// receivers.
+    /// Appends the rows of some places. Values of another shape than names x bins are an error,
+    /// and nothing is written then. `extents` has one entry for each group; for receivers it is
+    /// empty, unless the table has their positions.
     pub fn write_tile(&mut self, names: &[String], values: &PlaceValues, extents: &[Extent]) -> Result<()> {
-        let (came, expected) = ((values.places(), values.labels()), (names.len(), self.labels));
+        let (came, expected) = ((values.places(), values.bins()), (names.len(), self.bins));
         if came != expected {
             let what =
-                format!("values of {} places x {} labels do not fit {} x {}", came.0, came.1, expected.0, expected.1);
+                format!("values of {} places x {} bins do not fit {} x {}", came.0, came.1, expected.0, expected.1);
             return Err(self.table.defect(what));
         }
         self.table.write(&self.rows.batch(names, values, extents))
@@ -81,14 +75,14 @@ impl TableRows {
     fn column<'v>(&self, quantity: &Quantity, values: &PlaceValues<'v>) -> Values<'v> {
         if quantity.measure.text(f32::NAN).is_some() {
             let of_place = |place: usize| {
-                let texts = move |label| quantity.measure.text(values.value(quantity.source, place, label));
-                (0..values.labels()).map(move |label| texts(label).unwrap_or_default())
+                let texts = move |bin| quantity.measure.text(values.value(quantity.source, place, bin));
+                (0..values.bins()).map(move |bin| texts(bin).unwrap_or_default())
             };
             return Values::Texts((0..values.places()).flat_map(of_place).collect());
         }
         if matches!(quantity.measure, Measure::Minutes | Measure::Number | Measure::Celsius | Measure::Hours) {
-            let places = 0..values.places() * values.labels();
-            let value = |i: usize| values.value(quantity.source, i / values.labels(), i % values.labels());
+            let places = 0..values.places() * values.bins();
+            let value = |i: usize| values.value(quantity.source, i / values.bins(), i % values.bins());
             return Values::Numbers(
                 places.map(|i| Some(f64::from(value(i))).filter(|value| value.is_finite())).collect(),
             );
@@ -102,18 +96,22 @@ impl TableRows {
         }
     }
 
-    /// Returns a fact at each row; a fact that does not depend on the label is repeated in all rows
+    /// Returns a fact at each row; a fact that does not depend on the bin is repeated in all rows
     /// of its group.
     fn fact(&self, fact: Fact, values: &PlaceValues, extents: &[Extent]) -> Values<'static> {
-        let labels = values.labels();
+        let bins = values.bins();
         let of_group: fn(&Extent) -> f64 = match fact {
             Fact::Area => area_m2,
             Fact::Tilt => |extent| tilt_and_azimuth(extent.normal).0,
             Fact::Azimuth => |extent| tilt_and_azimuth(extent.normal).1,
             Fact::Sum => return self.sums(values, extents),
+            Fact::Coordinate(_) | Fact::Direction(_) | Fact::Extent => {
+                let numbers = extents.iter().flat_map(|extent| std::iter::repeat_n(exact(fact, extent), bins));
+                return Values::Numbers(numbers.collect());
+            }
         };
-        let all = extents.iter().flat_map(|extent| std::iter::repeat_n(of_group(extent) as f32, labels));
-        let all = all.chain(std::iter::repeat(0.0)).take(values.places() * labels);
+        let all = extents.iter().flat_map(|extent| std::iter::repeat_n(of_group(extent) as f32, bins));
+        let all = all.chain(std::iter::repeat(0.0)).take(values.places() * bins);
         Values::Floats(all.collect())
     }
 
@@ -122,9 +120,18 @@ impl TableRows {
         let main = self.layout.main_quantity().source;
         let of_group = |(place, extent): (usize, &Extent)| {
             let area_m2 = area_m2(extent);
-            (0..values.labels()).map(move |label| (f64::from(values.value(main, place, label)) * area_m2) as f32)
+            (0..values.bins()).map(move |bin| (f64::from(values.value(main, place, bin)) * area_m2) as f32)
         };
         Values::Floats(extents.iter().take(values.places()).enumerate().flat_map(of_group).collect())
+    }
+}
+
+/// Returns a fact of a receiver; `None` if it has none.
+fn exact(fact: Fact, extent: &Extent) -> Option<f64> {
+    match fact {
+        Fact::Coordinate(axis) => extent.position.to_array().get(axis).copied(),
+        Fact::Direction(angle) => <[f64; 2]>::from(tilt_and_azimuth(extent.normal)).get(angle).copied(),
+        Fact::Extent | Fact::Area | Fact::Tilt | Fact::Azimuth | Fact::Sum => extent.area_m2,
     }
 }
 
@@ -154,7 +161,7 @@ fn area_m2(extent: &Extent) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::outputs::tables::layout::{By, Labels};
+    use crate::outputs::tables::layout::{BinKind, By};
     use glam::DVec3;
     use heliotile_core::replay::components::{Component, ComponentList};
     use heliotile_core::replay::values::TileValues;
@@ -165,12 +172,12 @@ mod tests {
     fn sums_of_surfaces_are_means_times_areas() {
         let components: ComponentList = "total".parse().expect("a name");
         let facts = vec![Fact::Area, Fact::Tilt, Fact::Azimuth, Fact::Sum];
-        let layout = Layout { facts, ..Layout::of_components(Labels::Sums, By::Surface, &components) };
+        let layout = Layout { facts, ..Layout::of_components(BinKind::Sums, By::Surface, &components) };
         let mut values = TileValues::new(2, 1);
         values.component_mut(Component::Total).copy_from_slice(&[800.0, 500.0]);
         let extents = [
-            Extent { area_m2: Some(10.0), normal: DVec3::Z, agreement: 1.0 },
-            Extent { area_m2: Some(4.0), normal: DVec3::new(0.0, -0.5, 0.75_f64.sqrt()), agreement: 1.0 },
+            Extent { area_m2: Some(10.0), normal: DVec3::Z, ..Extent::default() },
+            Extent { area_m2: Some(4.0), normal: DVec3::new(0.0, -0.5, 0.75_f64.sqrt()), ..Extent::default() },
         ];
         let names = ["roof", "wall"].map(str::to_owned);
         let rows = TableRows { layout: layout.clone(), rounding: None };
@@ -179,7 +186,7 @@ mod tests {
         let second: Vec<f32> = rows.values.iter().skip(1).map(|column| column.floats()[1]).collect();
         assert_eq!(second, [500.0, 4.0, 30.0, 180.0, 2000.0]);
         assert_eq!(rows.values[5].floats()[..], [8000.0, 2000.0]);
-        assert_eq!(rows.misfit(&layout.columns(&RowLabels::words(vec!["total".into()]))), None);
+        assert_eq!(rows.misfit(&layout.columns(&BinLabels::words(vec!["total".into()]))), None);
         assert_eq!(layout.names()[2..], ["total_kwh_m2", "area_m2", "tilt_deg", "azimuth_deg", "total_kwh"]);
         assert_eq!(layout.units(), ["kWh/m2", "m2", "deg", "deg", "kWh"]);
     }

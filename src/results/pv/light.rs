@@ -10,7 +10,7 @@ use crate::bands::BandList;
 use crate::outputs::pv::ground::{DayCounts, PAR, PlantLight};
 use crate::outputs::pv::hourly::SideHours;
 use crate::outputs::pv::sums::{MonthlySums, PARTS};
-use crate::outputs::tables::row_labels::RowLabels;
+use crate::outputs::tables::bin_labels::BinLabels;
 use crate::{
     Archives, Every, LightChoice, Provenance, ReceiverSet, ReplayRequest, Resources, Series, Tile, TileStream,
 };
@@ -87,7 +87,7 @@ impl<'a> Light<'a> {
     }
 
     /// Returns the labels of the hours.
-    pub fn hour_labels(&self, archive: &Archive) -> Result<RowLabels> {
+    pub fn hour_labels(&self, archive: &Archive) -> Result<BinLabels> {
         Ok(self.hours(archive)?.labels.clone())
     }
 
@@ -133,9 +133,9 @@ impl<'a> Light<'a> {
         let mut found = HashMap::new();
         self.replayed(archive, Every::Month, components, |tile| {
             for (row, id) in tile.ids.iter().enumerate().filter(|(_, id)| wanted(id)) {
-                let value = |part, label: usize| tile.values.row(part, row).get(label).copied().map_or(0.0, f64::from);
-                let month = |label: usize| columns.map(|part| value(part, label));
-                found.insert(id.clone(), (0..tile.values.labels()).map(month).collect());
+                let value = |part, bin: usize| tile.values.row(part, row).get(bin).copied().map_or(0.0, f64::from);
+                let month = |bin: usize| columns.map(|part| value(part, bin));
+                found.insert(id.clone(), (0..tile.values.bins()).map(month).collect());
             }
             Ok(())
         })?;

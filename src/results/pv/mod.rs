@@ -37,7 +37,7 @@ use heliotile_scene::Scene;
 use heliotile_scene::covering::surfaces::Surfaces;
 use heliotile_scene::input::weather::read_weather_as;
 use heliotile_scene::load::Soup;
-use heliotile_scene::pv::points::{PointDefaults, PvPoint, read_points};
+use heliotile_scene::points::places::{PlacePoint, PointDefaults, read_points};
 use heliotile_scene::pv::rows::{RowsOfModules, read_rows};
 use heliotile_scene::request::SceneRequest;
 use heliotile_scene::site::Site;
@@ -107,7 +107,7 @@ pub struct PvDone {
 
 /// Points or rows of modules of a study.
 enum Wanted {
-    Points(Vec<PvPoint>),
+    Points(Vec<PlacePoint>),
     Rows(Vec<RowsOfModules>),
 }
 
@@ -165,7 +165,7 @@ fn run(request: &PvRequest, about: Provenance, resources: &Resources) -> Result<
         }
     };
     let mut spots = match (&wanted, &laid) {
-        (Wanted::Points(points), _) => Spots::of_points(request.points_file(), points, &siting)?,
+        (Wanted::Points(points), _) => Spots::of_points(request.points_file(), points, &siting, &scene)?,
         (_, laid) => Spots::of_modules(laid.iter().flat_map(LaidRows::modules), &siting),
     };
     let ground = match &laid {

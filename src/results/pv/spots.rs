@@ -15,8 +15,10 @@ use heliotile_builder::siting::{Enclosed, Siting};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::orientation::fan::Orientation;
 use heliotile_core::site::north::North;
+use heliotile_scene::Scene;
+use heliotile_scene::points::places::{PlacePoint, PointHeight};
+use heliotile_scene::points::rows::ONE_DIRECTION;
 use heliotile_scene::pv::layout::Module;
-use heliotile_scene::pv::points::{PointHeight, PvPoint};
 
 /// Distance of receivers of modules and of the ground off their surfaces, metres.
 pub const OFF_M: f64 = 0.005;
@@ -99,8 +101,14 @@ impl Spots {
     }
 
     /// Returns the points of a table in a scene.
-    pub fn of_points(table: &Path, points: &[PvPoint], siting: &Siting) -> Result<Self> {
-        let list = points.iter().map(|point| placed(table, point, siting)).collect::<Result<Vec<Spot>>>()?;
+    pub fn of_points(table: &Path, points: &[PlacePoint], siting: &Siting, scene: &Scene) -> Result<Self> {
+        let (site, azimuths_from) = (North::of(scene.place.as_ref()), scene.table_north());
+        let spot = |point: &PlacePoint| {
+            let given = point.facing.map(|facing| facing.turn(site, azimuths_from)).transpose();
+            let given = given.map_err(|what| Error::input(table, point.line, what, ONE_DIRECTION))?;
+            Ok(Spot { given, ..placed(table, point, siting)? })
+        };
+        let list = points.iter().map(spot).collect::<Result<Vec<Spot>>>()?;
         Ok(Spots::new(list))
     }
 
@@ -150,8 +158,8 @@ impl Spots {
     }
 }
 
-/// Returns a point with its height; refuses a point inside an object or below the ground.
-pub fn placed(table: &Path, point: &PvPoint, siting: &Siting) -> Result<Spot> {
+/// Returns a point with its height, without an orientation; refuses a point inside an object or below the ground.
+pub fn placed(table: &Path, point: &PlacePoint, siting: &Siting) -> Result<Spot> {
     let refuse = |what: String, hint: &str| Err(Error::input(table, point.line, what, hint));
     let name = &point.name;
     let z = match point.height {
@@ -178,7 +186,7 @@ pub fn placed(table: &Path, point: &PvPoint, siting: &Siting) -> Result<Spot> {
         }
         None => {
             let ground = siting.ground_below(position).map(|ground| ground.material);
-            Ok(Spot { given: point.turn, ..Spot::at(name, position, ground) })
+            Ok(Spot::at(name, position, ground))
         }
     }
 }

@@ -26,7 +26,7 @@ pub fn table(sides: &[SideSums], searched: &[PointSearch], ground: &SumsOnGround
         "sky view"
     );
     for side in sides.iter().take(MOST_ROWS) {
-        let [sun, sky, sun_diffuse, sky_diffuse, sun_mirrored, sky_mirrored] = side.months.parts();
+        let [sun, sky, sun_reflected, sky_reflected, sun_mirrored, sky_mirrored] = side.months.parts();
         let name = [side.point.as_str(), side.side].join(" ");
         let loss = side.loss_percent().map_or_else(|| "-".to_owned(), |loss| format!("{loss:.2}"));
         out += &format!(
@@ -34,7 +34,7 @@ pub fn table(sides: &[SideSums], searched: &[PointSearch], ground: &SumsOnGround
             name.trim_end(),
             side.turn.tilt_deg,
             side.turn.azimuth_deg,
-            sun_diffuse + sky_diffuse + sun_mirrored + sky_mirrored,
+            sun_reflected + sky_reflected + sun_mirrored + sky_mirrored,
             side.months.total(),
             side.sky_view
         );

@@ -199,7 +199,7 @@ impl RunRequest {
         let table = &files.receivers;
         let receivers = match &covered {
             Some(placed) => ReceiverSource::Placed { placed, offset_m: self.cover.offset_m, table },
-            None => ReceiverSource::Table(table),
+            None => ReceiverSource::from(table),
         };
         let build = SiteBuild {
             under: under.as_ref().map(|weather| EffectsUnder { weather, negligible_percent }),

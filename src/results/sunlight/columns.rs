@@ -5,8 +5,8 @@ use super::days::DayPlan;
 use super::places::{AnswerItem, Asked, DateRows};
 use super::rule::Threshold;
 use crate::outputs::quantities::{Measure, Quantity, ValueSource};
-use crate::outputs::tables::layout::{By, Labels, Layout};
-use crate::outputs::tables::row_labels::RowLabels;
+use crate::outputs::tables::bin_labels::BinLabels;
+use crate::outputs::tables::layout::{BinKind, By, Layout};
 use heliotile_core::sunlight::{Spells, Strongest, SunSeen};
 use heliotile_core::weather::time::clock_zone::ClockZone;
 
@@ -105,16 +105,16 @@ impl<'a> DayColumns<'a> {
     }
 
     /// Returns the labels of the rows of a place.
-    pub fn labels(&self) -> RowLabels {
+    pub fn bin_labels(&self) -> BinLabels {
         match self.asked {
             Asked::Dates(rows) => rows.labels.clone(),
-            Asked::Rules(rules) => RowLabels::words(rules.iter().map(|planned| planned.rule.name.clone()).collect()),
+            Asked::Rules(rules) => BinLabels::words(rules.iter().map(|planned| planned.rule.name.clone()).collect()),
         }
     }
 
     /// Returns the layout for tables and maps.
     pub fn layout(&self, by: By) -> Layout {
-        let labels = if matches!(self.asked, Asked::Dates(_)) { Labels::Dates } else { Labels::Rules };
+        let labels = if matches!(self.asked, Asked::Dates(_)) { BinKind::Dates } else { BinKind::Rules };
         let is_time = match self.asked {
             Asked::Dates(_) => true,
             Asked::Rules(rules) => rules.iter().all(|planned| !planned.rule.measure.is_percent()),
@@ -134,7 +134,7 @@ impl<'a> DayColumns<'a> {
         match self.asked {
             Asked::Dates(rows) => {
                 let of_label = |label: usize| {
-                    let dates = (0..).zip(&rows.label_of_date).filter(|(_, of)| **of == label).map(|(date, _)| date);
+                    let dates = (0..).zip(&rows.bin_of_date).filter(|(_, of)| **of == label).map(|(date, _)| date);
                     DayItems { dates: dates.collect(), items }
                 };
                 let labels: Vec<DayItems> = (0..rows.labels.len()).map(of_label).collect();

@@ -21,10 +21,10 @@ use crate::outputs::result_table::ResultTable;
 use crate::outputs::results::{ResultFormat, ResultWriter};
 use crate::outputs::shapes::writer::PlaceShapes;
 use crate::outputs::sink::Sink;
+use crate::outputs::tables::bin_labels::BinLabels;
 use crate::outputs::tables::column::Column;
 use crate::outputs::tables::format::{Format, Places};
-use crate::outputs::tables::layout::{By, Fact, Labels, Layout};
-use crate::outputs::tables::row_labels::RowLabels;
+use crate::outputs::tables::layout::{BinKind, By, Fact, Layout};
 use crate::outputs::tables::rows::{Cell, RowWriter};
 use crate::receivers::ReceiverSet;
 use crate::resources::Resources;
@@ -405,15 +405,14 @@ impl PaneFile<'_> {
             measure,
         };
         let quantities = columns.into_iter().enumerate().map(quantity).collect();
-        let mut layout = Layout::of_quantities(Labels::Dates, By::Pane, quantities);
+        let mut layout = Layout::of_quantities(BinKind::Dates, By::Pane, quantities);
         layout.facts = vec![Fact::Area, Fact::Tilt, Fact::Azimuth];
         let days = label_of(plan);
-        let rows = ResultRows::of(layout, RowLabels::words(vec![days.clone()]), None);
+        let rows = ResultRows::of(layout, BinLabels::words(vec![days.clone()]), None);
         let drawn: Vec<Receiver> = panes.all().iter().map(|pane| pane.drawn()).collect();
         let names: Vec<String> = drawn.iter().map(|pane| pane.id.clone()).collect();
         let north = self.receivers.north();
-        let extent =
-            |pane: &Receiver| Extent { area_m2: pane.area, normal: north.to_true(pane.normal), agreement: 1.0 };
+        let extent = |pane: &Receiver| Extent::of(pane, north);
         let extents: Vec<Extent> = drawn.iter().map(extent).collect();
         let sums = record.of_panes();
         let of = |number: fn(&PaneSum) -> f64| -> Vec<f32> {
@@ -425,7 +424,13 @@ impl PaneFile<'_> {
             ResultFormat::Table(_) => {
                 let all = || Ok(names.clone());
                 let places = Places { count: names.len() as u64, names: &all };
-                ResultWriter::Table(ResultTable::create(self.path, rows.layout(), rows.labels(), &places, self.about)?)
+                ResultWriter::Table(ResultTable::create(
+                    self.path,
+                    rows.layout(),
+                    rows.bin_labels(),
+                    &places,
+                    self.about,
+                )?)
             }
             ResultFormat::Map(format) => {
                 let (scene, receivers) = (self.receivers, self.receivers);

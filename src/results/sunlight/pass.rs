@@ -74,7 +74,7 @@ impl SunlightRequest {
         if let Some(groups) = &groups {
             layout.facts = groups.facts(files.by, false);
         }
-        let rows = ResultRows::of(layout, columns.labels(), None);
+        let rows = ResultRows::of(layout, columns.bin_labels(), None);
         let about = site.archives.told_in(about, site.place);
         let about = match before {
             Some(before) => about.with("root_before", before.archives.root()),
@@ -199,7 +199,7 @@ impl SunlightRequest {
 
     /// Returns a description of the results in words, for pictures.
     fn called(&self, columns: &DayColumns, place: &Path) -> String {
-        let first = columns.labels().text.into_iter().next().unwrap_or_default();
+        let first = columns.bin_labels().text.into_iter().next().unwrap_or_default();
         match self.rules.is_empty() {
             true if self.every == Every::Day => format!("{} on {first}", name_of(place)),
             true => format!("{}, {first}", name_of(place)),
@@ -343,7 +343,7 @@ impl<'a> RowBatch<'a> {
         }
         let first = self.places as usize - names.len();
         let extents = self.extents.and_then(|all| all.get(first..first + names.len())).unwrap_or_default();
-        let labels = self.columns.labels().len();
+        let labels = self.columns.bin_labels().len();
         files.write(&names, &PlaceValues::of_arrays(names.len(), labels, &arrays), extents)
     }
 }

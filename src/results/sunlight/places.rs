@@ -12,7 +12,7 @@ use super::glare::{GlareSpell, SpellTeller};
 use super::measure::RuleValue;
 use super::panes::{PaneList, ScenePanes};
 use super::rule::{LitPart, RuleMeasure};
-use crate::outputs::tables::row_labels::RowLabels;
+use crate::outputs::tables::bin_labels::BinLabels;
 use crate::receivers::{PartReceivers, ReceiverSet, TileReceivers};
 use crate::resources::Resources;
 use crate::sky_components::SkyComponents;
@@ -38,9 +38,9 @@ pub enum Asked {
 /// Rows of days.
 pub struct DateRows {
     /// Labels of the rows.
-    pub labels: RowLabels,
+    pub labels: BinLabels,
     /// `[date]`: index of its label.
-    pub label_of_date: Vec<usize>,
+    pub bin_of_date: Vec<usize>,
     /// True if each row is of one day.
     pub is_by_day: bool,
 }

@@ -278,6 +278,6 @@ impl SunlightRequest {
             plan.dates.iter().map(|date| Stamp { date: *date, start_min: 0.0, hours: 24.0 }).collect();
         let reading = ClockReading { offset: plan.zone.standard(self.year), ..ClockReading::default() };
         let Periods { labels, index_of_condition, .. } = Periods::new(self.every, years, &stamps, reading);
-        DateRows { labels, label_of_date: index_of_condition, is_by_day: self.every == Every::Day }
+        DateRows { labels, bin_of_date: index_of_condition, is_by_day: self.every == Every::Day }
     }
 }

@@ -117,7 +117,7 @@ impl TradeoffRequest {
         let weather = self.weather.as_deref();
         let suns = ErrorConditions::read(weather, &self.about_weather, scene.place, observer)?;
         let beside = Workspace { folder: folder_of(folder).into(), memory };
-        let mut receivers = beside.read_receivers(&self.receivers, &scene, observer)?;
+        let mut receivers = beside.read_receivers(self.receivers.as_path(), &scene, observer)?;
         let prepared = PreparedScene::new(&scene)?;
         let mut build = Build { scene: &prepared, receivers: &mut receivers, workspace: &beside, observer };
         let left_out = build.forecast(&BuildSettings::default(), self.effects, None)?.left_out;

@@ -19,10 +19,10 @@ use heliotile_core::observer::Observer;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_scene::Scene;
 use heliotile_scene::change::TracedScene;
-use heliotile_scene::covering::receivers::read_receivers;
 use heliotile_scene::edit::{EditedScene, Fate};
 use heliotile_scene::load::Soup;
 use heliotile_scene::mesh::{Mesh, bounds};
+use heliotile_scene::points::receivers::read_receivers;
 
 /// Receivers of an edited scene, with counts by what became of them.
 #[derive(Default)]
@@ -164,7 +164,7 @@ pub fn cover(
     let beside = beside.map_err(Error::io(folder, "make a folder in"))?;
     let table = beside.path().join("receivers.csv");
     save(&table, &covered, asked.offset_m)?;
-    read_receivers(&table)
+    read_receivers(&table, scene.table_north())
 }
 
 /// Returns the approximate spacing of receivers: the side of the mean square that they stand for,

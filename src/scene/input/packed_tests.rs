@@ -9,9 +9,10 @@ use flate2::Compression;
 use flate2::write::GzEncoder;
 
 use crate::Scene;
-use crate::covering::receivers::read_receivers;
 use crate::input::zip::tests::zipped;
+use crate::points::receivers::read_receivers;
 use crate::site::Site;
+use heliotile_core::site::north::North;
 
 fn pack(plain: &[u8]) -> Vec<u8> {
     let mut packer = GzEncoder::new(Vec::new(), Compression::default());
@@ -102,13 +103,13 @@ fn packed_receivers_are_read_as_plain_ones() {
     let path = folder.path().join("receivers.csv.gz");
     let text = "receiver,x,y,z,nx,ny,nz\na,0,0,1,0,0,1\nb,1,0,1,0,0,1\n";
     fs::write(&path, pack(text.as_bytes())).expect("written");
-    assert_eq!(read_receivers(&path).expect("receivers").len(), 2);
+    assert_eq!(read_receivers(&path, North::default()).expect("receivers").len(), 2);
     fs::write(&path, pack(text.replace("b,1,", "b,x,").as_bytes())).expect("written");
-    let found = read_receivers(&path).expect_err("no number").to_string();
+    let found = read_receivers(&path, North::default()).expect_err("no number").to_string();
     assert!(found.contains("receivers.csv.gz, line 3: column `x` is `x`"), "{found}");
     let cut = pack(&text.repeat(50).into_bytes());
     fs::write(&path, &cut[..cut.len() - 9]).expect("written");
-    let found = read_receivers(&path).expect_err("cut").to_string();
+    let found = read_receivers(&path, North::default()).expect_err("cut").to_string();
     assert!(found.contains("receivers.csv.gz"), "{found}");
 }
 

@@ -26,6 +26,9 @@ pub struct SiteFrame {
     /// north axis of EnergyPlus. Coordinates are not rotated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rotate_deg: Option<f64>,
+    /// True if azimuths in tables of points count from the y axis, in place of true north.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub grid_north: bool,
     /// Height above sea level of z = 0 of all files except rasters, metres.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub elevation_m: Option<f64>,
@@ -132,6 +135,7 @@ impl SiteFrame {
             latitude_deg: other.latitude_deg.or(self.latitude_deg),
             longitude_deg: other.longitude_deg.or(self.longitude_deg),
             rotate_deg: other.rotate_deg.or(self.rotate_deg),
+            grid_north: other.grid_north || self.grid_north,
             elevation_m: other.elevation_m.or(self.elevation_m),
             scale: other.scale.or(self.scale),
             up: other.up.or(self.up),

@@ -4,10 +4,10 @@ export const COMPONENT_LABELS: Record<string, string> = {
   total: "Total",
   sun_direct: "Sun, direct",
   sky_direct: "Sky, direct",
-  sun_diffuse: "Sun, reflected",
-  sky_diffuse: "Sky, reflected",
-  sun_specular: "Sun, mirrored",
-  sky_specular: "Sky, mirrored",
+  sun_reflected: "Sun, reflected",
+  sky_reflected: "Sky, reflected",
+  sun_mirrored: "Sun, mirrored",
+  sky_mirrored: "Sky, mirrored",
   sky_view_percent: "Sky view",
   reference_kwh_m2: "Clear year",
   sun_hours: "Possible sun",
@@ -24,10 +24,10 @@ export const COMPONENT_LABELS: Record<string, string> = {
 export const COMPONENT_COLOURS: Record<string, string> = {
   sun_direct: "#e69f00",
   sky_direct: "#56b4e9",
-  sun_diffuse: "#d55e00",
-  sky_diffuse: "#0072b2",
-  sun_specular: "#cc79a7",
-  sky_specular: "#009e73",
+  sun_reflected: "#d55e00",
+  sky_reflected: "#0072b2",
+  sun_mirrored: "#cc79a7",
+  sky_mirrored: "#009e73",
 };
 
 export const MONTHS = [

@@ -75,14 +75,14 @@ pub fn run(path: &Path, weather: &Path) {
         ("yearly sums, 60", &many, &year, all, &[]),
         ("  12: sun_direct", &conditions, &year, of(&[SunDirect]), &[]),
         ("  sky_direct", &conditions, &year, of(&[SkyDirect]), &[]),
-        ("  sun_diffuse", &conditions, &year, of(&[SunDiffuse]), &[]),
-        ("  sky_diffuse", &conditions, &year, of(&[SkyDiffuse]), &[]),
+        ("  sun_reflected", &conditions, &year, of(&[SunReflected]), &[]),
+        ("  sky_reflected", &conditions, &year, of(&[SkyReflected]), &[]),
         ("monthly sums", &conditions, &months, all, &[]),
         ("hours", &conditions, &hours, all, &[]),
         ("  sun_direct", &conditions, &hours, of(&[SunDirect]), &[]),
         ("  sky_direct", &conditions, &hours, of(&[SkyDirect]), &[]),
-        ("  sun_diffuse", &conditions, &hours, of(&[SunDiffuse]), &[]),
-        ("  sky_diffuse", &conditions, &hours, of(&[SkyDiffuse]), &[]),
+        ("  sun_reflected", &conditions, &hours, of(&[SunReflected]), &[]),
+        ("  sky_reflected", &conditions, &hours, of(&[SkyReflected]), &[]),
         ("yearly sums, responses anew", &conditions, &year, all, &anew),
     ] {
         let settings = ReplaySettings { components, ..ReplaySettings::default() };
@@ -107,7 +107,7 @@ pub fn run(path: &Path, weather: &Path) {
             seconds = median_s(all_tiles);
         }
         // Patches times results with a sky, for the direct and the reflected part.
-        let parts = [SkyDirect, SkyDiffuse].iter().filter(|c| components.needs(**c)).count() as f64;
+        let parts = [SkyDirect, SkyReflected].iter().filter(|c| components.needs(**c)).count() as f64;
         let skies = if bins.count == conditions.len() { lit(conditions) } else { bins.count as f64 };
         let flop = 2.0 * parts * receivers * 577.0 * skies;
         println!(

@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 
+use heliotile_core::site::north::North;
 use heliotile_builder::pipeline::{Build, Output, Plan, PreparedScene, ReusedArchives, Workspace};
 use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_builder::settings::BuildSettings;
@@ -21,7 +22,7 @@ use heliotile_core::site::cells::CellKey;
 use heliotile_core::site::chain::Chain;
 use heliotile_core::site::crossing::Crossing;
 use heliotile_scene::Scene;
-use heliotile_scene::covering::receivers::read_receivers;
+use heliotile_scene::points::receivers::read_receivers;
 
 const OBJ: &str = "mtllib a.mtl\nv 0 0 0\nv 20 0 0\nv 20 20 0\nv 0 20 0\nv 5 5 0\nv 9 5 0\nv 9 5 6\nv 5 5 6\n\
                    usemtl ground\nf 1 2 3 4\n# steep\nusemtl wall\nf 5/1/1 6//2 7/3 -1\nf 1 3 \\\n 2\n";
@@ -159,7 +160,7 @@ pub fn write() {
         path
     };
     let scene = Scene::load(&put("town.obj", OBJ), Some(&put("materials.toml", MATERIALS))).expect("a scene");
-    let receivers = read_receivers(&put("receivers.csv", RECEIVERS)).expect("receivers");
+    let receivers = read_receivers(&put("receivers.csv", RECEIVERS), North::default()).expect("receivers");
     let settings = BuildSettings {
         sky_base: 8,
         sky_fine: 16,

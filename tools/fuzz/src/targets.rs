@@ -39,9 +39,9 @@ use heliotile_core::weather::options::{TimeShift, WeatherOptions};
 use heliotile_core::weather::temperatures::emissions;
 use heliotile_core::weather::time::clock_zone::ClockZone;
 use heliotile_scene::Scene;
-use heliotile_scene::covering::receivers::read_receivers_with_warnings;
+use heliotile_scene::points::places::{PointDefaults, read_points};
+use heliotile_scene::points::receivers::{ReceiverRows, read_receivers_with_warnings};
 use heliotile_scene::pv::layout::{Outline, lay};
-use heliotile_scene::pv::points::{PointDefaults, read_points};
 use heliotile_scene::pv::rows::{RowsGround, read_rows};
 use heliotile_scene::site::Site;
 
@@ -484,9 +484,10 @@ fn materials(data: &[u8]) {
 fn receivers(data: &[u8]) {
     let path = file("receivers.csv", data);
     let (mut warnings, mut others) = (Vec::new(), Vec::new());
-    let plain = read_receivers_with_warnings(&path, &mut warnings);
+    let plain = read_receivers_with_warnings(&path, North::default(), &mut warnings);
     let folder = path.parent().expect("a folder");
-    let tiles = ReceiverTiles::open(&path, [1.0, 2.0, 3.0].into(), folder, 0, &|_, _| Ok(None), &mut others);
+    let tiles = ReceiverRows::open(path.as_path(), North::default(), &mut others);
+    let tiles = tiles.and_then(|rows| ReceiverTiles::open(rows, [1.0, 2.0, 3.0].into(), folder, 0));
     assert_eq!(warnings, others);
     match (plain, tiles) {
         (Ok(plain), Ok(mut tiles)) => {

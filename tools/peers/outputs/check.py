@@ -23,7 +23,7 @@ ROOT = Path(__file__).resolve().parents[3]
 PROGRAM = Path(os.environ.get("HELIOTILE", ROOT / "target/release/heliotile"))
 WEATHER = ROOT / "tests/data/weather/golden_tmy3.epw"
 WORK = ROOT / "target/peers/outputs"
-COMPONENTS = ["sun_direct", "sky_direct", "sun_diffuse", "sky_diffuse", "sun_specular", "sky_specular", "total"]
+COMPONENTS = ["sun_direct", "sky_direct", "sun_reflected", "sky_reflected", "sun_mirrored", "sky_mirrored", "total"]
 # CSV has six digits; a map has 32-bit floats, and sums of twelve months that were each rounded in the CSV.
 SHARE = 2e-5
 METRES = 0.01

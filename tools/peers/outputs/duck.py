@@ -1,7 +1,7 @@
 """Parquet as DuckDB reads it, beside the CSV of the same replay, both read by DuckDB itself. In: files. Out: a line for each check."""
 import duckdb
 
-COMPONENTS = ["sun_direct", "sky_direct", "sun_diffuse", "sky_diffuse", "sun_specular", "sky_specular", "total"]
+COMPONENTS = ["sun_direct", "sky_direct", "sun_reflected", "sky_reflected", "sun_mirrored", "sky_mirrored", "total"]
 
 
 def check_duckdb(check, replay, archive, files, folder, share, hourly):

@@ -148,14 +148,14 @@ fn irradiance(
         sum[0] as f32
     };
     let [sun_direct, glow_direct] = [suns, circumsolar].map(&mut direct);
-    let [sun_specular, glow_specular] =
+    let [sun_mirrored, glow_specular] =
         [suns, circumsolar].map(|suns| besides.map_or(0.0, |besides| besides.in_mirrors(normal, suns)));
     [
         sun_direct,
         receiver.of_sky(radiances, patches) + glow_direct,
         receiver.of_sources(reflected),
         receiver.of_field(reflected_sky),
-        sun_specular,
+        sun_mirrored,
         besides.map_or(0.0, |besides| dot(&besides.of_sky, radiances)) + glow_specular,
     ]
     .map(|value| value.max(0.0))

@@ -20,11 +20,11 @@ An .exr file has three parts, or four if the receiver sees sky in mirrors (f32, 
 `heliotile` of each part describes its contents as JSON. Parts and their channels:
   sky       upper hemisphere of the world, first line towards y: visible, weight_sr; with --sun also sky_direct, sun_direct
   hit       hemisphere of the surface, first line up the surface: class (1 ground, 2 obstruction), material, cell, mirrors
-            passed, weight_sr; with --sun also sun_diffuse, sky_diffuse: the radiance of what is seen there
+            passed, weight_sr; with --sun also sun_reflected, sky_reflected: the radiance of what is seen there
   response  upper hemisphere of the world: ground.x to obstruction.z, reflected light by the direction of its source;
-            with --sun also weight_sr, sky_diffuse: the radiance of the sky there
+            with --sun also weight_sr, sky_reflected: the radiance of the sky there
   mirror    upper hemisphere of the world, by the direction that light has in the sky: weight_sr;
-            with --sun also sky_specular, sun_specular
+            with --sun also sky_mirrored, sun_mirrored
 Behind canopies, `sky` also has `through`, the share of light that passes them. Channels named like a column of `query` are radiances, W/(m2 sr):
 their sum over the texels of a part, each times weight_sr, is that column.
 

@@ -6,7 +6,7 @@ use clap::{ArgGroup, Args};
 
 use super::recombine::parse_share;
 use crate::cli::values::{Bytes, choice, parse_memory, table_endings};
-use crate::cli::{AccuracyArgs, ClockArgs, SceneArgs};
+use crate::cli::{AccuracyArgs, ClockArgs, SceneArgs, TableNorthArgs};
 use heliotile_core::replay::reflectances::Snow;
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::options::StampedAt;
@@ -17,13 +17,14 @@ use heliotile_results::pv::PvRequest;
 pub struct PvArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
+    #[command(flatten)]
+    pub table_north: TableNorthArgs,
     /// Weather file: EPW, TMY3, WEA, SURFRAD, CSV or JSON of a service (NSRDB, PVGIS, Open-Meteo,
     /// Solcast), or any CSV or JSON with `time` and some of ghi, dni, dhi; also packed (.gz, .zip)
     #[arg(long, short)]
     pub weather: PathBuf,
     /// Positions of modules, CSV with columns point,x,y, z or height (metres above the roof or
-    /// ground below), and tilt,azimuth (degrees, clockwise from true north; may be left out with
-    /// --search)
+    /// ground below), and tilt_deg,azimuth_deg (from true north; may be left out with --search)
     #[arg(long, short, value_name = "FILE")]
     pub points: Option<PathBuf>,
     /// Rows of modules, TOML: each [[rows]] has a name, an area or surface, tilt, azimuth, pitch,
@@ -90,7 +91,7 @@ impl PvArgs {
     /// Returns the request of `pv`.
     pub fn request(&self) -> PvRequest {
         PvRequest {
-            scene: self.scene.request(),
+            scene: self.scene.request_by(&self.table_north),
             weather: self.weather.clone(),
             about_weather: self.about_weather.options(false),
             points: self.points.clone(),

@@ -106,6 +106,10 @@ pub struct RecombineArgs {
     /// so on
     #[arg(long)]
     pub geo: bool,
+    /// Add the columns x, y, z, tilt_deg, azimuth_deg and area_m2 of each receiver to the table, which
+    /// `build` can then read as its --receivers
+    #[arg(long)]
+    pub positions: bool,
     /// Draw a picture of the results. A name that ends with .png is a map of the sums (or of one
     /// condition), from above and from the south-west; one that ends with .svg is a chart of the
     /// mean of all receivers, weighted by area: bars by component of --every day, month or year (or
@@ -113,9 +117,9 @@ pub struct RecombineArgs {
     /// written only if --output names one
     #[arg(long, value_name = "FILE")]
     pub plot: Vec<PathBuf>,
-    /// Columns to write, in this order, such as total,sun_direct. sun_diffuse and sky_diffuse can
-    /// be split by the kind of surface that the receiver sees, as in sun_diffuse_ground and
-    /// sun_diffuse_obstruction; `replay` also has longwave [default: the six components and their
+    /// Columns to write, in this order, such as total,sun_direct. sun_reflected and sky_reflected can
+    /// be split by the kind of surface that the receiver sees, as in sun_reflected_ground and
+    /// sun_reflected_obstruction; `replay` also has longwave [default: the six components and their
     /// total]
     #[arg(long, value_name = "NAMES")]
     pub columns: Option<ComponentList>,
@@ -233,7 +237,7 @@ impl RecombineArgs {
 
     /// Returns the output files.
     pub fn files(&self) -> FileRequest {
-        FileRequest { geo: self.geo, plots: self.plot.clone(), ..self.table.files() }
+        FileRequest { positions: self.positions, geo: self.geo, plots: self.plot.clone(), ..self.table.files() }
     }
 
     /// Returns the files of reflectances, transmittances, skies, clouds and bands.

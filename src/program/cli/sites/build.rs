@@ -7,11 +7,11 @@ use clap::Args;
 use super::quality::parse_preview;
 use super::{clock_of, weather_files};
 use crate::cli::values::{Bytes, choice, parse_memory};
-use crate::cli::{AccuracyArgs, ClockArgs, Percent, SceneArgs, parse_negligible};
+use crate::cli::{AccuracyArgs, ClockArgs, Percent, SceneArgs, TableNorthArgs, parse_negligible};
 use heliotile_builder::settings::{EffectChoice, Share};
 
 /// Options that `--part` excludes, as the plan of an atlas states their values.
-const PLANNED: [&str; 23] = [
+const PLANNED: [&str; 24] = [
     "receivers",
     "output",
     "materials",
@@ -22,6 +22,7 @@ const PLANNED: [&str; 23] = [
     "latitude",
     "longitude",
     "rotate_deg",
+    "grid_north",
     "elevation",
     "scale",
     "up",
@@ -42,7 +43,11 @@ const PLANNED: [&str; 23] = [
 pub struct BuildArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Table of receivers, CSV with columns receiver,x,y,z,nx,ny,nz and optionally area,surface
+    #[command(flatten)]
+    pub table_north: TableNorthArgs,
+    /// Table of receivers, CSV with columns receiver,x,y,z, tilt_deg,azimuth_deg (from true north) or
+    /// nx,ny,nz, and optionally area_m2,surface; height (above the roof or ground below) may stand
+    /// for z
     #[arg(long, short)]
     pub receivers: Option<PathBuf>,
     /// Archive to write
@@ -105,7 +110,11 @@ pub struct BuildArgs {
 pub struct PlanArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Table of receivers, CSV with columns receiver,x,y,z,nx,ny,nz and optionally area,surface
+    #[command(flatten)]
+    pub table_north: TableNorthArgs,
+    /// Table of receivers, CSV with columns receiver,x,y,z, tilt_deg,azimuth_deg (from true north) or
+    /// nx,ny,nz, and optionally area_m2,surface; height (above the roof or ground below) may stand
+    /// for z
     #[arg(long, short)]
     pub receivers: PathBuf,
     /// Light paths to trace besides direct sun and sky: `auto` (those that can matter in the

@@ -14,7 +14,7 @@ pub struct ReceiversArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
     /// Table of receivers to write, CSV, or - for standard output:
-    /// receiver,x,y,z,nx,ny,nz,area,surface, and the object, building and kind that each receiver
+    /// receiver,x,y,z,nx,ny,nz,area_m2,surface, and the object, building and kind that each receiver
     /// stands for
     #[arg(long, short, default_value = "-")]
     pub output: PathBuf,

@@ -20,7 +20,9 @@ pub use partition::{CatalogueArgs, FindArgs, PartitionArgs};
 pub use quality::{AccuracyArgs, Percent, parse_negligible};
 pub use rasters::RasterArgs;
 pub use run::RunArgs;
-pub use scene::{FootprintArgs, MaterialsArgs, PlaceArgs, SceneArgs, parse_crs, parse_latitude, parse_longitude};
+pub use scene::{
+    FootprintArgs, MaterialsArgs, PlaceArgs, SceneArgs, TableNorthArgs, parse_crs, parse_latitude, parse_longitude,
+};
 pub use study::{RaySquare, StudyArgs, StudyCommand, WallArgs};
 pub use tradeoff::TradeoffArgs;
 pub use update::UpdateArgs;

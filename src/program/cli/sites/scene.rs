@@ -136,7 +136,22 @@ pub struct PlaceArgs {
     pub up: Option<UpAxis>,
 }
 
+/// Direction that azimuths in tables of points count from.
+#[derive(Args, Debug)]
+pub struct TableNorthArgs {
+    /// Count azimuths in the table of points from the y axis, in place of true north
+    #[arg(long)]
+    pub grid_north: bool,
+}
+
 impl SceneArgs {
+    /// Returns the request for a scene whose points come from a table.
+    pub fn request_by(&self, north: &TableNorthArgs) -> SceneRequest {
+        let mut request = self.request();
+        request.frame.grid_north = north.grid_north;
+        request
+    }
+
     /// Returns the scene request.
     pub fn request(&self) -> SceneRequest {
         let (frame, footprints, surface) = (self.place.frame(), self.footprints.options(), self.rasters.request());
@@ -162,6 +177,7 @@ impl PlaceArgs {
             latitude_deg: self.latitude,
             longitude_deg: self.longitude,
             rotate_deg: self.rotate_deg,
+            grid_north: false,
             elevation_m: self.elevation,
             scale: self.scale,
             up: self.up,

@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::clock_of;
 use crate::cli::values::{Bytes, parse_memory};
-use crate::cli::{ClockArgs, SceneArgs};
+use crate::cli::{ClockArgs, SceneArgs, TableNorthArgs};
 use heliotile_builder::settings::EffectChoice;
 use heliotile_results::TradeoffRequest;
 
@@ -15,7 +15,11 @@ use heliotile_results::TradeoffRequest;
 pub struct TradeoffArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Table of receivers, CSV with columns receiver,x,y,z,nx,ny,nz and optionally area,surface
+    #[command(flatten)]
+    pub table_north: TableNorthArgs,
+    /// Table of receivers, CSV with columns receiver,x,y,z, tilt_deg,azimuth_deg (from true north) or
+    /// nx,ny,nz, and optionally area_m2,surface; height (above the roof or ground below) may stand
+    /// for z
     #[arg(long, short)]
     pub receivers: PathBuf,
     /// Folder to write tradeoff.csv, pictures and index.html into
@@ -47,7 +51,7 @@ impl TradeoffArgs {
     /// Returns the request of `tradeoff`.
     pub fn request(&self) -> TradeoffRequest {
         TradeoffRequest {
-            scene: self.scene.request(),
+            scene: self.scene.request_by(&self.table_north),
             receivers: self.receivers.clone(),
             folder: self.output.clone(),
             sample: self.sample,

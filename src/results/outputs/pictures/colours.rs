@@ -49,10 +49,10 @@ pub fn viridis(step: u8) -> Rgb {
 pub const COMPONENTS: [(Component, Rgb, &str); 6] = [
     (Component::SunDirect, [0xe6, 0x9f, 0x00], "sun, direct"),
     (Component::SkyDirect, [0x56, 0xb4, 0xe9], "sky, direct"),
-    (Component::SunDiffuse, [0xd5, 0x5e, 0x00], "sun, reflected"),
-    (Component::SkyDiffuse, [0x00, 0x72, 0xb2], "sky, reflected"),
-    (Component::SunSpecular, [0xcc, 0x79, 0xa7], "sun, mirrored"),
-    (Component::SkySpecular, [0x00, 0x9e, 0x73], "sky, mirrored"),
+    (Component::SunReflected, [0xd5, 0x5e, 0x00], "sun, reflected"),
+    (Component::SkyReflected, [0x00, 0x72, 0xb2], "sky, reflected"),
+    (Component::SunMirrored, [0xcc, 0x79, 0xa7], "sun, mirrored"),
+    (Component::SkyMirrored, [0x00, 0x9e, 0x73], "sky, mirrored"),
 ];
 
 /// Returns a colour of six stops of the map `inferno` (Smith and van der Walt 2015), from black to
@@ -191,6 +191,6 @@ mod tests {
             let word = format!("  {}: \"{}\",\n", component.name(), word.replacen('s', "S", 1));
             assert!(words.contains(&colour) && words.contains(&word), "{colour} {word}");
         }
-        assert_eq!(label(Component::SunDiffuseGround), "sun diffuse ground");
+        assert_eq!(label(Component::SunReflectedGround), "sun diffuse ground");
     }
 }

@@ -86,8 +86,8 @@ impl Radiances<'_> {
             self.channel("hit", channel).and_then(value).map_or(0.0, f64::from)
         };
         let mirrored = self.view.in_mirrors(direction);
-        let mirrored = mirrored.map(|(from, share)| self.at("mirror", "sky_specular", from) * share);
-        [0.0, on_texel("sun_diffuse"), mirrored.unwrap_or(0.0), on_texel("sky_diffuse")]
+        let mirrored = mirrored.map(|(from, share)| self.at("mirror", "sky_mirrored", from) * share);
+        [0.0, on_texel("sun_reflected"), mirrored.unwrap_or(0.0), on_texel("sky_reflected")]
     }
 
     /// Returns the irradiance from all texels of a channel, W/m2.
@@ -129,13 +129,13 @@ pub fn panel(view: &ReceiverView, maps: &[Map], sun: &PanelSun, north: North, ab
     let irradiances = [
         String::new(),
         format!("{:.1} W/m2, the sun {:.1}", radiances.sum("sky", "sky_direct"), radiances.sum("sky", "sun_direct")),
-        format!("{:.1} W/m2", radiances.sum("hit", "sun_diffuse")),
+        format!("{:.1} W/m2", radiances.sum("hit", "sun_reflected")),
         format!(
             "{:.1} W/m2, the sun {:.1}",
-            radiances.sum("mirror", "sky_specular"),
-            radiances.sum("mirror", "sun_specular")
+            radiances.sum("mirror", "sky_mirrored"),
+            radiances.sum("mirror", "sun_mirrored")
         ),
-        format!("{:.1} W/m2", radiances.sum("hit", "sky_diffuse")),
+        format!("{:.1} W/m2", radiances.sum("hit", "sky_reflected")),
         format!("{:.1} W/m2", total(&radiances)),
     ];
     for (picture, (title, irradiance)) in TITLES.iter().zip(&irradiances).enumerate() {
@@ -168,8 +168,8 @@ fn total(radiances: &Radiances) -> f64 {
     let of = |(map, names): (&str, [&str; 2])| names.map(|name| radiances.sum(map, name)).iter().sum::<f64>();
     let all = [
         ("sky", ["sky_direct", "sun_direct"]),
-        ("hit", ["sun_diffuse", "sky_diffuse"]),
-        ("mirror", ["sky_specular", "sun_specular"]),
+        ("hit", ["sun_reflected", "sky_reflected"]),
+        ("mirror", ["sky_mirrored", "sun_mirrored"]),
     ];
     all.into_iter().map(of).sum()
 }

@@ -9,9 +9,9 @@ use std::path::Path;
 
 use crate::outputs::provenance::Provenance;
 use crate::outputs::tables::batch::{Batch, Values};
+use crate::outputs::tables::bin_labels::BinLabels;
 use crate::outputs::tables::column::{Column, Digits, Kind, TableColumns};
 use crate::outputs::tables::format::Places;
-use crate::outputs::tables::row_labels::RowLabels;
 use crate::outputs::tables::writer::TableWriter;
 use heliotile_core::error::Result;
 use heliotile_core::replay::components::Component;
@@ -53,9 +53,9 @@ impl SideHours {
     pub fn of<'v>(component: impl Fn(Component) -> &'v [f32]) -> Self {
         let both = |a: Component, b: Component| component(a).iter().zip(component(b)).map(|(a, b)| a + b).collect();
         SideHours {
-            direct: both(Component::SunDirect, Component::SunSpecular),
-            sky: both(Component::SkyDirect, Component::SkySpecular),
-            reflected: both(Component::SunDiffuse, Component::SkyDiffuse),
+            direct: both(Component::SunDirect, Component::SunMirrored),
+            sky: both(Component::SkyDirect, Component::SkyMirrored),
+            reflected: both(Component::SunReflected, Component::SkyReflected),
         }
     }
 
@@ -95,8 +95,8 @@ pub struct HourlyTable {
 
 impl HourlyTable {
     /// Starts a table of `points` points, in the format given by the ending of the path.
-    pub fn create(path: &Path, columns: &[&str], labels: &RowLabels, points: u64, about: &Provenance) -> Result<Self> {
-        let mut all = vec![Column::of_steps("time", Kind::Text, labels), Column::of_places("point", Kind::Text)];
+    pub fn create(path: &Path, columns: &[&str], labels: &BinLabels, points: u64, about: &Provenance) -> Result<Self> {
+        let mut all = vec![Column::of_bins("time", Kind::Text, labels), Column::of_places("point", Kind::Text)];
         all.extend(columns.iter().map(|name| Column::float(*name, Digits::Decimals(3)).with_unit(UNIT)));
         let table = TableWriter::create(path, TableColumns::new(all), Places::counted(points), Some(about))?;
         Ok(HourlyTable { table })

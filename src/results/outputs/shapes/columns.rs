@@ -1,4 +1,4 @@
-//! Columns of a map. In: the layout of a table, its labels. Out: names and units of a wide table
+//! Columns of a map. In: the layout of a table, its bins. Out: names and units of a wide table
 //! with one row a place, and the values of a tile in that order.
 
 use super::row::MapRow;
@@ -7,8 +7,8 @@ use crate::outputs::groups::{Extent, ONE_WAY};
 use crate::outputs::periods::Every;
 use crate::outputs::pictures::colours::ColourScale;
 use crate::outputs::quantities::{LightEnding, PlaceValues, Quantity, ValueSource};
-use crate::outputs::tables::layout::{By, Labels, Layout};
-use crate::outputs::tables::row_labels::RowLabels;
+use crate::outputs::tables::bin_labels::BinLabels;
+use crate::outputs::tables::layout::{BinKind, By, Layout};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::units::tilt_and_azimuth;
@@ -20,14 +20,14 @@ const MOST_COLUMNS: usize = 256;
 /// Number of columns before the values: area, tilt and azimuth.
 pub const FACTS: usize = 3;
 
-/// Arrangement of labels in columns.
+/// Arrangement of bins in columns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Wide {
     /// One label: a column for each quantity.
     One,
-    /// Each quantity of the sums of all labels, then the main quantity by label.
+    /// Each quantity of the sums of all bins, then the main quantity by bin.
     Sums,
-    /// Each quantity of each label.
+    /// Each quantity of each bin.
     Each,
     /// No value columns: values are written elsewhere.
     None,
@@ -59,9 +59,9 @@ pub struct MapColumns {
 impl MapColumns {
     /// Returns the columns of a table's layout; `every` is `None` for a query. Several hours or
     /// days are refused, and so are too many columns.
-    pub fn of(layout: &Layout, labels: &RowLabels, every: Option<Every>) -> Result<Self> {
+    pub fn of(layout: &Layout, bins: &BinLabels, every: Option<Every>) -> Result<Self> {
         let quantities = layout.quantities.as_slice();
-        let wide = match (every, labels.len()) {
+        let wide = match (every, bins.len()) {
             (Some(Every::Hour | Every::Day), 1) => Wide::One,
             (Some(Every::Hour | Every::Day), count) => {
                 return Err(Error::argument(
@@ -79,16 +79,16 @@ impl MapColumns {
         let mut values: Vec<(String, &'static str)> = match wide {
             Wide::One | Wide::Sums => quantities.iter().map(|one| (one.with_ending(ending), unit(one))).collect(),
             Wide::Each | Wide::None => {
-                let of_label = |label: &String| {
-                    let column = |one: &Quantity| (format!("{label}_{}", one.with_ending(ending)), unit(one));
+                let of_bin = |bin: &String| {
+                    let column = |one: &Quantity| (format!("{bin}_{}", one.with_ending(ending)), unit(one));
                     quantities.iter().map(column).collect::<Vec<_>>()
                 };
-                labels.text.iter().flat_map(of_label).collect()
+                bins.text.iter().flat_map(of_bin).collect()
             }
         };
         let main = layout.main_quantity();
         if wide == Wide::Sums {
-            let months = months(&labels.text);
+            let months = months(&bins.text);
             let of_month = |month: &String| {
                 let named = Quantity { name: format!("{}_{month}", main.name), ..main.clone() };
                 (named.with_ending(ending), unit(main))
@@ -98,7 +98,7 @@ impl MapColumns {
         if values.len() > MOST_COLUMNS {
             let what = format!(
                 "the number of columns of a map, {} of {} components (choose fewer with {{columns}} total, or write a table)",
-                labels.len(),
+                bins.len(),
                 quantities.len()
             );
             return Err(Error::Limit { what, value: values.len() as u64, max: MOST_COLUMNS as u64 });
@@ -108,7 +108,7 @@ impl MapColumns {
         Ok(MapColumns { numbers, colour: FACTS + layout.main, wide, has_sum, ..MapColumns::of_places(layout) })
     }
 
-    /// Returns the columns without values, which are written separately for each label.
+    /// Returns the columns without values, which are written separately for each bin.
     pub fn of_places(layout: &Layout) -> Self {
         MapColumns {
             kinds: texts(layout.by).iter().map(|_| TextKind::Text).collect(),
@@ -172,17 +172,16 @@ impl MapColumns {
         let mut numbers = vec![area_m2 as f32, tilt as f32, azimuth as f32];
         let sources = || self.quantities.iter().map(|quantity| quantity.source);
         let main = sources().nth(self.main);
-        let of_label = |label: usize| sources().map(move |source| values.value(source, row, label));
+        let of_bin = |bin: usize| sources().map(move |source| values.value(source, row, bin));
         match self.wide {
-            Wide::One => numbers.extend(of_label(0)),
+            Wide::One => numbers.extend(of_bin(0)),
             Wide::Sums => {
                 numbers.extend(sources().map(|source| values.value_of_sums(source, row) as f32));
-                let labels = 0..values.labels();
-                numbers.extend(
-                    main.into_iter().flat_map(|main| labels.clone().map(move |at| values.value(main, row, at))),
-                );
+                let bins = 0..values.bins();
+                numbers
+                    .extend(main.into_iter().flat_map(|main| bins.clone().map(move |at| values.value(main, row, at))));
             }
-            Wide::Each => numbers.extend((0..values.labels()).flat_map(of_label)),
+            Wide::Each => numbers.extend((0..values.bins()).flat_map(of_bin)),
             Wide::None => {}
         }
         if self.has_sum {
@@ -194,9 +193,9 @@ impl MapColumns {
 
 /// Returns the kind of ending of the names of light columns.
 pub fn ending(layout: &Layout) -> LightEnding {
-    match layout.labels {
-        Labels::Sums => LightEnding::Sums,
-        Labels::Conditions | Labels::Times | Labels::Dates | Labels::Rules => LightEnding::Means,
+    match layout.bins {
+        BinKind::Sums => LightEnding::Sums,
+        BinKind::Conditions | BinKind::Times | BinKind::Dates | BinKind::Rules => LightEnding::Means,
     }
 }
 
@@ -216,13 +215,13 @@ fn facts() -> impl Iterator<Item = (String, &'static str)> {
 
 /// Returns the names of months without their year if that keeps them distinct, or else with
 /// underscores.
-fn months(labels: &[String]) -> Vec<String> {
-    let short = |label: &String| label.rsplit('-').next().unwrap_or_default().to_owned();
-    let mut all: Vec<String> = labels.iter().map(short).collect();
+fn months(bins: &[String]) -> Vec<String> {
+    let short = |bin: &String| bin.rsplit('-').next().unwrap_or_default().to_owned();
+    let mut all: Vec<String> = bins.iter().map(short).collect();
     all.sort();
     all.dedup();
-    match all.len() == labels.len() {
-        true => labels.iter().map(short).collect(),
-        false => labels.iter().map(|label| label.replace('-', "_")).collect(),
+    match all.len() == bins.len() {
+        true => bins.iter().map(short).collect(),
+        false => bins.iter().map(|bin| bin.replace('-', "_")).collect(),
     }
 }

@@ -92,8 +92,8 @@ mod tests {
     use crate::outputs::shapes::row::tests::wall;
     use crate::outputs::shapes::row::{MapPolygon, MapRow};
     use crate::outputs::shapes::rows::RowSpool;
-    use crate::outputs::tables::layout::{By, Labels, Layout};
-    use crate::outputs::tables::row_labels::RowLabels;
+    use crate::outputs::tables::bin_labels::BinLabels;
+    use crate::outputs::tables::layout::{BinKind, By, Layout};
     use glam::DVec3;
     use heliotile_core::replay::components::{Component, ComponentList};
 
@@ -103,8 +103,8 @@ mod tests {
     fn a_place_without_extent_is_a_point() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("map.ply");
-        let (labels, by) = (RowLabels::words(vec!["total".into()]), By::Receiver);
-        let layout = Layout::of_components(Labels::Sums, by, &ComponentList::of(Component::Total));
+        let (labels, by) = (BinLabels::words(vec!["total".into()]), By::Receiver);
+        let layout = Layout::of_components(BinKind::Sums, by, &ComponentList::of(Component::Total));
         let columns = MapColumns::of(&layout, &labels, Some(Every::Total)).expect("columns");
         let mut spool = RowSpool::new(folder.path(), 1 << 20, &columns);
         for (number, polygon) in [(0.0, wall()), (1000.0, MapPolygon::point(DVec3::Z))] {

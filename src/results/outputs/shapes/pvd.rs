@@ -1,4 +1,4 @@
-//! Maps through time for ParaView: a VTK grid for each label, and a `.pvd` file that lists them.
+//! Maps through time for ParaView: a VTK grid for each bin, and a `.pvd` file that lists them.
 //! In: rows, tiles of values. Out: the files, in a folder of the same name beside the `.pvd`. The
 //! `.pvd` is written last, so the files it lists are complete.
 
@@ -11,8 +11,8 @@ use super::vtu::{self, Step};
 use crate::outputs::provenance::Provenance;
 use crate::outputs::quantities::{PlaceValues, ValueSource};
 use crate::outputs::sink::{Sink, write_texts};
+use crate::outputs::tables::bin_labels::BinLabels;
 use crate::outputs::tables::layout::Layout;
-use crate::outputs::tables::row_labels::RowLabels;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::light::scratch::{Scratch, ScratchSpace};
 
@@ -21,37 +21,37 @@ use heliotile_core::light::scratch::{Scratch, ScratchSpace};
 const MOST_FILES: u64 = 10_000;
 const MOST_BYTES: u64 = 16 << 30;
 
-/// Memory for the values of labels that are read together, bytes.
+/// Memory for the values of bins that are read together, bytes.
 const AT_ONCE: u64 = 64 << 20;
 
 /// Values that wait for the geometry.
 pub struct Series {
     scratch: Box<dyn Scratch>,
-    /// Offset of each tile's values, `[label][source][place]`, and its number of places.
+    /// Offset of each tile's values, `[bin][source][place]`, and its number of places.
     tiles: Vec<(u64, u64)>,
     length: u64,
-    labels: RowLabels,
+    bins: BinLabels,
     sources: Vec<ValueSource>,
     names: Vec<String>,
 }
 
 impl Series {
-    pub fn new(layout: &Layout, labels: &RowLabels, storage: &dyn ScratchSpace) -> Result<Self> {
-        if labels.len() as u64 > MOST_FILES {
+    pub fn new(layout: &Layout, bins: &BinLabels, storage: &dyn ScratchSpace) -> Result<Self> {
+        if bins.len() as u64 > MOST_FILES {
             let what = "the number of files of a time series (choose fewer with {from} and {to}, or a longer {every})";
-            return Err(Error::Limit { what: what.into(), value: labels.len() as u64, max: MOST_FILES });
+            return Err(Error::Limit { what: what.into(), value: bins.len() as u64, max: MOST_FILES });
         }
         let sources = layout.quantities.iter().map(|one| one.source).collect();
         let names = layout.quantities.iter().map(|one| one.with_ending(ending(layout))).collect();
-        Ok(Series { scratch: storage.scratch()?, tiles: Vec::new(), length: 0, labels: labels.clone(), sources, names })
+        Ok(Series { scratch: storage.scratch()?, tiles: Vec::new(), length: 0, bins: bins.clone(), sources, names })
     }
 
     /// Adds the values of the next places.
     pub fn add(&mut self, values: &PlaceValues) -> Result<()> {
         let mut bytes = Vec::new();
-        for label in 0..values.labels() {
+        for bin in 0..values.bins() {
             for source in &self.sources {
-                bytes.extend((0..values.places()).flat_map(|place| values.value(*source, place, label).to_le_bytes()));
+                bytes.extend((0..values.places()).flat_map(|place| values.value(*source, place, bin).to_le_bytes()));
             }
         }
         self.scratch.write(self.length, &bytes)?;
@@ -60,14 +60,14 @@ impl Series {
         Ok(())
     }
 
-    /// Reads the values of some labels, `[label][source][place]`.
+    /// Reads the values of some bins, `[bin][source][place]`.
     fn read(&self, first: u64, count: u64) -> Result<Vec<Vec<Vec<f32>>>> {
         let sources = self.sources.len() as u64;
         let mut found = vec![vec![Vec::new(); self.sources.len()]; count as usize];
         for (offset, places) in self.tiles.iter().filter(|(_, places)| *places > 0) {
-            let of_label = 4 * sources * places;
-            let mut bytes = vec![0; (count * of_label) as usize];
-            self.scratch.read(offset + first * of_label, &mut bytes)?;
+            let of_bin = 4 * sources * places;
+            let mut bytes = vec![0; (count * of_bin) as usize];
+            self.scratch.read(offset + first * of_bin, &mut bytes)?;
             let values = bytes.as_chunks().0.iter().map(|four| f32::from_le_bytes(*four));
             let values: Vec<f32> = values.collect();
             let columns = found.iter_mut().flatten();
@@ -76,11 +76,11 @@ impl Series {
         Ok(found)
     }
 
-    /// Returns hours since the first label, or the indices of labels if these are no increasing
+    /// Returns hours since the first bin, or the indices of bins if these are no increasing
     /// times.
     fn times(&self) -> Vec<f64> {
-        let count = 0..self.labels.len();
-        match &self.labels.instants {
+        let count = 0..self.bins.len();
+        match &self.bins.instants {
             Some(instants) if instants.utc_s.is_sorted_by(|a, b| a < b) => {
                 let first = instants.utc_s.first().copied().unwrap_or_default();
                 instants.utc_s.iter().map(|seconds| (seconds - first) as f64 / 3600.0).collect()
@@ -106,27 +106,27 @@ pub fn write(
     let facts = rows.facts;
     let of_cells = 17 + 4 * (1 + columns.numbers.len() + series.names.len()) as u64;
     let each = 24 * facts.corners + 8 * facts.cell_corners + of_cells * facts.cells;
-    let labels = series.labels.len() as u64;
+    let bins = series.bins.len() as u64;
     // Each file repeats the geometry, so the total size is checked before anything is written.
-    if each * labels > MOST_BYTES {
+    if each * bins > MOST_BYTES {
         let what = format!(
-            "the size in bytes of a time series of {labels} files (choose fewer with {{from}} and {{to}}, a longer {{every}}, {{by}} \
+            "the size in bytes of a time series of {bins} files (choose fewer with {{from}} and {{to}}, a longer {{every}}, {{by}} \
              building or {{receivers}})"
         );
-        return Err(Error::Limit { what, value: each * labels, max: MOST_BYTES });
+        return Err(Error::Limit { what, value: each * bins, max: MOST_BYTES });
     }
     let folder = folder_of(path);
     fs::create_dir_all(&folder).map_err(Error::io(&folder, "create"))?;
     let (stem, times) = (folder.file_name().unwrap_or_default().to_string_lossy().into_owned(), series.times());
-    let of_label = 4 * (series.sources.len() as u64 * facts.rows).max(1);
-    let (at_once, mut bytes) = ((AT_ONCE / of_label).clamp(1, labels.max(1)), 0);
+    let of_bin = 4 * (series.sources.len() as u64 * facts.rows).max(1);
+    let (at_once, mut bytes) = ((AT_ONCE / of_bin).clamp(1, bins.max(1)), 0);
     let mut list = String::new();
-    for first in (0..labels).step_by(at_once as usize) {
-        let some = series.read(first, at_once.min(labels - first))?;
+    for first in (0..bins).step_by(at_once as usize) {
+        let some = series.read(first, at_once.min(bins - first))?;
         for (number, values) in (first as usize..).zip(some) {
             let name = format!("{stem}_{number:04}.vtu");
-            let label = series.labels.text.get(number).map_or("", String::as_str);
-            let step = Step { label, names: &series.names, values };
+            let bin = series.bins.text.get(number).map_or("", String::as_str);
+            let step = Step { label: bin, names: &series.names, values };
             bytes += vtu::write(Sink::file(&folder.join(&name))?, rows, columns, Some(&step), about)?;
             let time = times.get(number).copied().unwrap_or_default();
             let file = escaped(&format!("{stem}/{name}"));

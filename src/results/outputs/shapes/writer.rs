@@ -18,8 +18,8 @@ use crate::outputs::periods::Every;
 use crate::outputs::provenance::Provenance;
 use crate::outputs::quantities::PlaceValues;
 use crate::outputs::sink::Sink;
+use crate::outputs::tables::bin_labels::BinLabels;
 use crate::outputs::tables::layout::Layout;
-use crate::outputs::tables::row_labels::RowLabels;
 use heliotile_core::archive::Archive;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::light::scratch::ScratchSpace;
@@ -116,7 +116,7 @@ pub struct MapRequest<'a> {
     pub path: &'a Path,
     pub format: MapFormat,
     pub layout: &'a Layout,
-    pub labels: &'a RowLabels,
+    pub labels: &'a BinLabels,
     /// Period of a row; `None` for a query.
     pub every: Option<Every>,
     pub crs: MapCrs,
@@ -196,8 +196,7 @@ impl<'a> MapWriter<'a> {
                         return Err(Error::defect(self.request.path, "map", "rows", what));
                     };
                     let polygons = polygons(&receiver).unwrap_or_else(|| vec![MapPolygon::point(receiver.position)]);
-                    let normal = self.request.north.to_true(receiver.normal);
-                    let extent = Extent { area_m2: receiver.area, normal, agreement: 1.0 };
+                    let extent = Extent::of(&receiver, self.request.north);
                     (receiver, extent, polygons)
                 }
             };

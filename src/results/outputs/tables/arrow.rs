@@ -20,7 +20,7 @@ use arrow_schema::{ArrowError, DataType, Field, Metadata, Schema, TimeUnit};
 use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
 use crate::outputs::tables::batch::{Batch, Values};
-use crate::outputs::tables::column::{Along, Column, Kind, StepValues, TableColumns};
+use crate::outputs::tables::column::{Along, BinValues, Column, Kind, TableColumns};
 use crate::outputs::tables::format::{FormatWriter, TableRequest};
 use crate::outputs::tables::writer::{failed, rows_defect};
 use heliotile_core::error::{Error, Result};
@@ -98,7 +98,7 @@ impl ArrowRows {
         let mut all = Vec::with_capacity(columns.all().len());
         for (i, column) in columns.all().iter().enumerate() {
             all.push(match (&column.along, column.kind) {
-                (Along::Steps(of_steps), _) => self.steps(i, column, of_steps, count)?.slice(0, rows),
+                (Along::Bins(of_steps), _) => self.steps(i, column, of_steps, count)?.slice(0, rows),
                 (Along::Places, Kind::Category) => self.categories(first, count)?,
                 _ => values.next().ok_or_else(|| ArrowError::SchemaError("a column has no values".into()))?,
             });
@@ -107,7 +107,7 @@ impl ArrowRows {
     }
 
     /// Returns the values of a column along steps, for at least `count` places.
-    fn steps(&mut self, i: usize, column: &Column, values: &StepValues, count: usize) -> ArrowResult<ArrayRef> {
+    fn steps(&mut self, i: usize, column: &Column, values: &BinValues, count: usize) -> ArrowResult<ArrayRef> {
         let rows = count * self.columns.rows_of_place();
         match self.of_steps.get(i) {
             Some(Some(known)) if known.len() >= rows => Ok(Arc::clone(known)),
@@ -132,21 +132,21 @@ impl ArrowRows {
 }
 
 /// Returns the values of a column along steps, for `count` places.
-fn repeated(column: &Column, values: &StepValues, count: usize) -> ArrowResult<ArrayRef> {
+fn repeated(column: &Column, values: &BinValues, count: usize) -> ArrowResult<ArrayRef> {
     Ok(match (values, column.instants(), column.kind) {
         (_, Some(instants), _) => {
             let times = TimestampMicrosecondArray::from(instants.utc_us().repeat(count));
             Arc::new(times.with_timezone(instants.zone()))
         }
-        (StepValues::Labels(labels), None, Kind::Category) => {
+        (BinValues::Labels(labels), None, Kind::Category) => {
             let keys: Vec<i32> = (0..count).flat_map(|_| 0..labels.len() as i32).collect();
             let words = Arc::new(StringArray::from_iter_values(&labels.text));
             Arc::new(DictionaryArray::<Int32Type>::try_new(keys.into(), words)?)
         }
-        (StepValues::Labels(labels), None, _) => {
+        (BinValues::Labels(labels), None, _) => {
             Arc::new(StringArray::from_iter_values((0..count).flat_map(|_| &labels.text)))
         }
-        (StepValues::Numbers(numbers), None, _) => {
+        (BinValues::Numbers(numbers), None, _) => {
             let floats: Vec<f32> = numbers.iter().map(|number| *number as f32).collect();
             Arc::new(Float32Array::from(floats.repeat(count)))
         }

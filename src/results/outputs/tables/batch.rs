@@ -73,7 +73,7 @@ impl Batch<'_> {
         for (column, values) in columns.in_batches().zip(&self.values) {
             let expected = match column.along {
                 Along::Places => self.places,
-                Along::Rows | Along::Steps(_) => self.places * columns.rows_of_place(),
+                Along::Rows | Along::Bins(_) => self.places * columns.rows_of_place(),
             };
             if values.count() != expected {
                 return Some(format!("column `{}` got {} values for {expected}", column.name, values.count()));

@@ -5,7 +5,7 @@
 //! such as hours or positions of the sun. Each place then has a row for each step, and the columns
 //! of the steps are the same for all places.
 
-use crate::outputs::tables::row_labels::{Instants, RowLabels};
+use crate::outputs::tables::bin_labels::{BinLabels, Instants};
 
 /// Column of a table.
 #[derive(Clone, Debug, PartialEq)]
@@ -67,14 +67,14 @@ pub enum Along {
     /// Places: each place has one text, which stands in all of its rows.
     Places,
     /// Steps: each step has one value for all places, known before the first row.
-    Steps(StepValues),
+    Bins(BinValues),
 }
 
 /// Values of a column along the steps.
 #[derive(Clone, Debug, PartialEq)]
-pub enum StepValues {
+pub enum BinValues {
     /// Times, or text.
-    Labels(RowLabels),
+    Labels(BinLabels),
     Numbers(Vec<f64>),
 }
 
@@ -121,14 +121,14 @@ impl Column {
 
     /// Returns a column of the labels of steps; `kind`, text or categories, applies to labels that
     /// are no times.
-    pub fn of_steps(name: impl Into<String>, kind: Kind, labels: &RowLabels) -> Self {
-        Column { along: Along::Steps(StepValues::Labels(labels.clone())), ..Column::new(name, None, kind) }
+    pub fn of_bins(name: impl Into<String>, kind: Kind, labels: &BinLabels) -> Self {
+        Column { along: Along::Bins(BinValues::Labels(labels.clone())), ..Column::new(name, None, kind) }
     }
 
     /// Returns a column of 32-bit numbers that identify the steps; the unit follows from its name.
-    pub fn number_of_steps(name: impl Into<String>, numbers: Vec<f64>) -> Self {
+    pub fn numbers_of_bins(name: impl Into<String>, numbers: Vec<f64>) -> Self {
         let column = Column::counted(name.into(), Kind::Float(Digits::Fewest));
-        Column { along: Along::Steps(StepValues::Numbers(numbers)), ..column }
+        Column { along: Along::Bins(BinValues::Numbers(numbers)), ..column }
     }
 
     /// Returns the column with a unit that does not follow from its name.
@@ -137,21 +137,21 @@ impl Column {
     }
 
     /// Returns the labels of steps.
-    pub fn labels(&self) -> Option<&RowLabels> {
+    pub fn bin_labels(&self) -> Option<&BinLabels> {
         match &self.along {
-            Along::Steps(StepValues::Labels(labels)) => Some(labels),
+            Along::Bins(BinValues::Labels(labels)) => Some(labels),
             _ => None,
         }
     }
 
     /// Returns the labels of steps as instants, if they are times.
     pub fn instants(&self) -> Option<&Instants> {
-        self.labels().and_then(|labels| labels.instants.as_ref())
+        self.bin_labels().and_then(|labels| labels.instants.as_ref())
     }
 
     /// Returns true if the values belong to steps.
-    pub fn is_of_steps(&self) -> bool {
-        matches!(self.along, Along::Steps(_))
+    pub fn is_of_bins(&self) -> bool {
+        matches!(self.along, Along::Bins(_))
     }
 
     /// Returns true if the values are texts, not times.
@@ -177,8 +177,8 @@ impl TableColumns {
     /// as the first of them.
     pub fn new(all: Vec<Column>) -> Self {
         let steps = all.iter().find_map(|column| match &column.along {
-            Along::Steps(StepValues::Labels(labels)) => Some(labels.len()),
-            Along::Steps(StepValues::Numbers(numbers)) => Some(numbers.len()),
+            Along::Bins(BinValues::Labels(labels)) => Some(labels.len()),
+            Along::Bins(BinValues::Numbers(numbers)) => Some(numbers.len()),
             Along::Rows | Along::Places => None,
         });
         TableColumns { all, steps }
@@ -201,7 +201,7 @@ impl TableColumns {
 
     /// Returns the columns whose values come in batches: all but those along steps.
     pub fn in_batches(&self) -> impl Iterator<Item = &Column> + '_ {
-        self.all.iter().filter(|column| !column.is_of_steps())
+        self.all.iter().filter(|column| !column.is_of_bins())
     }
 
     /// Returns the column of the names of places: the first text column along places or rows.
@@ -268,7 +268,7 @@ mod tests {
     /// a table without steps has 1 row a place.
     #[test]
     fn a_table_of_3_suns_has_3_rows_a_place() {
-        let suns = Column::number_of_steps("sun_altitude_deg", vec![0.0, 45.0, 90.0]);
+        let suns = Column::numbers_of_bins("sun_altitude_deg", vec![0.0, 45.0, 90.0]);
         let columns = TableColumns::new(vec![Column::of_places("receiver", Kind::Text), suns]);
         assert_eq!((columns.rows_of_place(), columns.has_steps(), columns.in_batches().count()), (3, true, 1));
         let columns = TableColumns::new(vec![Column::number("x", 3), Column::text("face")]);

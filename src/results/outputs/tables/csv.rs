@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
 use crate::outputs::tables::batch::{Batch, Values};
-use crate::outputs::tables::column::{Along, Column, Digits, Kind, StepValues, TableColumns};
+use crate::outputs::tables::column::{Along, BinValues, Column, Digits, Kind, TableColumns};
 use crate::outputs::tables::csvw;
 use crate::outputs::tables::format::{FormatWriter, TableRequest};
 use crate::outputs::tables::writer::failed;
@@ -30,7 +30,7 @@ pub struct CsvTable {
     sink: Sink,
     columns: Arc<TableColumns>,
     /// `[column][step]`: formatted cells of columns along steps; empty for other columns.
-    of_steps: Vec<Vec<String>>,
+    of_bins: Vec<Vec<String>>,
     /// `[task]`: buffers of text, which are reused.
     texts: Vec<Vec<u8>>,
     about: Option<Provenance>,
@@ -65,18 +65,18 @@ impl CsvTable {
         let names: Vec<&str> = columns.all().iter().map(|column| column.name.as_str()).collect();
         let header = names.join(",") + "\n";
         sink.write_all(header.as_bytes()).map_err(|error| failed(sink.path(), error))?;
-        let of_steps = columns.all().iter().map(cells_of_steps).collect();
+        let of_bins = columns.all().iter().map(cells_of_bins).collect();
         let texts = vec![Vec::new(); TASKS_AT_ONCE];
-        Ok(CsvTable { sink, columns, of_steps, texts, about: request.about.cloned() })
+        Ok(CsvTable { sink, columns, of_bins, texts, about: request.about.cloned() })
     }
 
     /// Returns the columns of a batch.
     fn columns_of<'a>(&'a self, batch: &'a Batch) -> Vec<BatchColumn<'a>> {
         let mut values = batch.values.iter();
         let mut columns = Vec::with_capacity(self.columns.all().len());
-        for (column, of_steps) in self.columns.all().iter().zip(&self.of_steps) {
-            if column.is_of_steps() {
-                columns.push(BatchColumn::Steps(of_steps));
+        for (column, of_bins) in self.columns.all().iter().zip(&self.of_bins) {
+            if column.is_of_bins() {
+                columns.push(BatchColumn::Steps(of_bins));
                 continue;
             }
             let Some(values) = values.next() else { continue };
@@ -192,10 +192,10 @@ impl FormatWriter for CsvTable {
 }
 
 /// Returns the formatted cells of a column along steps; empty for other columns.
-fn cells_of_steps(column: &Column) -> Vec<String> {
+fn cells_of_bins(column: &Column) -> Vec<String> {
     match &column.along {
-        Along::Steps(StepValues::Labels(labels)) => labels.text.iter().map(|label| quoted(label)).collect(),
-        Along::Steps(StepValues::Numbers(numbers)) => {
+        Along::Bins(BinValues::Labels(labels)) => labels.text.iter().map(|label| quoted(label)).collect(),
+        Along::Bins(BinValues::Numbers(numbers)) => {
             let cell = |number: &f64| {
                 let mut text = Vec::new();
                 push_number(&mut text, *number, digits_of(column.kind));

@@ -13,8 +13,8 @@ use serde_json::{Value, json};
 
 use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
+use crate::outputs::tables::bin_labels::{Instants, Precision};
 use crate::outputs::tables::column::{Column, Kind};
-use crate::outputs::tables::row_labels::{Instants, Precision};
 use heliotile_core::error::{Error, Result};
 
 /// Returns the description of a column.
@@ -84,8 +84,8 @@ fn url(name: &str) -> String {
 mod tests {
     use super::*;
     use crate::outputs::provenance;
-    use crate::outputs::tables::layout::{By, Labels, Layout};
-    use crate::outputs::tables::row_labels::RowLabels;
+    use crate::outputs::tables::bin_labels::BinLabels;
+    use crate::outputs::tables::layout::{BinKind, By, Layout};
     use heliotile_core::weather::time::calendar::Date;
     use heliotile_core::weather::time::utc_offset::UtcOffset;
 
@@ -93,9 +93,9 @@ mod tests {
     /// unit of its one value, and 4 properties. Labels without instants are strings.
     #[test]
     fn metadata_describe_columns_and_units() {
-        let layout = Layout::of_components(Labels::Times, By::Receiver, &"total".parse().expect("a name"));
+        let layout = Layout::of_components(BinKind::Times, By::Receiver, &"total".parse().expect("a name"));
         let moment = (Date::new(2019, 3, 1).expect("a date"), 0.0);
-        let labels = RowLabels::moments(&[moment], UtcOffset::default(), Precision::Minute);
+        let labels = BinLabels::moments(&[moment], UtcOffset::default(), Precision::Minute);
         let columns = layout.columns(&labels);
         let text = text("a b.csv", columns.all(), &provenance::tests::example());
         let table: Value = serde_json::from_str(&text).expect("JSON");
@@ -104,7 +104,7 @@ mod tests {
         assert_eq!(columns[0]["datatype"]["format"], "yyyy-MM-ddTHH:mmxxx");
         assert_eq!((&columns[1]["datatype"], &columns[2]["schema:unitText"]), (&json!("string"), &json!("W/m2")));
         assert_eq!(table["schema:additionalProperty"].as_array().map(Vec::len), Some(4));
-        let words = layout.columns(&RowLabels::words(vec!["total".into()]));
+        let words = layout.columns(&BinLabels::words(vec!["total".into()]));
         assert_eq!(described(&words.all()[0])["datatype"], json!("string"));
         assert_eq!(beside(Path::new("a/b.csv")), Path::new("a/b.csv-metadata.json"));
     }

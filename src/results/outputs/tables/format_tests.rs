@@ -16,9 +16,9 @@ use parquet::record::RowAccessor;
 use crate::outputs::provenance;
 use crate::outputs::quantities::PlaceValues;
 use crate::outputs::result_table::ResultTable;
+use crate::outputs::tables::bin_labels::{BinLabels, Precision};
 use crate::outputs::tables::format::Places;
-use crate::outputs::tables::layout::{By, Labels, Layout};
-use crate::outputs::tables::row_labels::{Precision, RowLabels};
+use crate::outputs::tables::layout::{BinKind, By, Layout};
 use crate::outputs::tables::writer::tests::{create, names, tile, value};
 use heliotile_core::replay::components::Component;
 use heliotile_core::replay::values::TileValues;
@@ -26,16 +26,16 @@ use heliotile_core::weather::time::calendar::Date;
 use heliotile_core::weather::time::utc_offset::UtcOffset;
 
 /// Returns hours from 2019-03-01 on in a time zone.
-fn hours(count: u32, zone_hours: f64) -> RowLabels {
+fn hours(count: u32, zone_hours: f64) -> BinLabels {
     let date = Date::new(2019, 3, 1).expect("a date");
     let moments: Vec<_> = (0..count).map(|hour| (date, f64::from(60 * hour))).collect();
-    RowLabels::moments(&moments, UtcOffset::of_hours(zone_hours), Precision::Minute)
+    BinLabels::moments(&moments, UtcOffset::of_hours(zone_hours), Precision::Minute)
 }
 
 /// Writes a file with 2 receivers x 24 hours of a time zone.
 fn written_hours(folder: &tempfile::TempDir, name: &str, zone_hours: f64) -> PathBuf {
     let path = folder.path().join(name);
-    let layout = Layout { labels: Labels::Times, ..layout() };
+    let layout = Layout { bins: BinKind::Times, ..layout() };
     let receivers = names("r", 2);
     let places = Places { count: 2, names: &|| Ok(receivers.clone()) };
     let about = provenance::tests::example();
@@ -158,7 +158,7 @@ fn times_in_csv_have_their_offset() {
 
 /// Returns a layout of two columns in the order total, sky_direct.
 fn layout() -> Layout {
-    Layout::of_components(Labels::Sums, By::Surface, &"total,sky_direct".parse().expect("names"))
+    Layout::of_components(BinKind::Sums, By::Surface, &"total,sky_direct".parse().expect("names"))
 }
 
 /// Returns the columns of one tile.

@@ -2,14 +2,14 @@
 //! their units.
 
 use crate::outputs::quantities::{ChangeKind, LightEnding, Measure, Quantity, ValueSource};
+use crate::outputs::tables::bin_labels::BinLabels;
 use crate::outputs::tables::column::{Column, Digits, Kind, TableColumns};
-use crate::outputs::tables::row_labels::RowLabels;
 use heliotile_core::named::NamedValues;
 use heliotile_core::replay::components::{Component, ComponentList, LightMeasure};
 
-/// Kind of the labels of a table, which also decides the unit.
+/// Kind of the bins of a table, which also decides the unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Labels {
+pub enum BinKind {
     /// Labels `condition`, means in W/m2.
     Conditions,
     /// Labels `time`, means in W/m2.
@@ -73,13 +73,36 @@ pub enum Fact {
     Azimuth,
     /// Sum over the group: the main quantity x area.
     Sum,
+    /// Coordinate of a receiver: 0 x, 1 y, 2 z.
+    Coordinate(usize),
+    /// Direction of a receiver: 0 tilt, 1 azimuth, clockwise from true north.
+    Direction(usize),
+    /// Area that a receiver stands for; none if it is a point.
+    Extent,
+}
+
+impl Fact {
+    /// Facts of receivers, with which a table of results can be read as a table of receivers.
+    pub const OF_RECEIVERS: [Fact; 6] = [
+        Fact::Coordinate(0),
+        Fact::Coordinate(1),
+        Fact::Coordinate(2),
+        Fact::Direction(0),
+        Fact::Direction(1),
+        Fact::Extent,
+    ];
+
+    /// Returns true if the column keeps all digits.
+    fn is_exact(self) -> bool {
+        Fact::OF_RECEIVERS.contains(&self)
+    }
 }
 
 /// Columns of a table of results.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Layout {
-    /// Kind of the labels in the first column.
-    pub labels: Labels,
+    /// Kind of the bins in the first column.
+    pub bins: BinKind,
     /// Subject of the second column.
     pub by: By,
     /// Quantities of the value columns, at least one.
@@ -95,37 +118,37 @@ pub struct Layout {
 
 impl Layout {
     /// Returns the layout of the components of a replay.
-    pub fn of_components(labels: Labels, by: By, components: &ComponentList) -> Self {
-        Layout::new(labels, by, components, Quantity::of_components(components))
+    pub fn of_components(bins: BinKind, by: By, components: &ComponentList) -> Self {
+        Layout::new(bins, by, components, Quantity::of_components(components))
     }
 
     /// Returns the layout of the components of a replay before and after, and their changes.
-    pub fn of_changes(labels: Labels, by: By, components: &ComponentList) -> Self {
-        Layout::new(labels, by, components, Quantity::of_changes(components))
+    pub fn of_changes(bins: BinKind, by: By, components: &ComponentList) -> Self {
+        Layout::new(bins, by, components, Quantity::of_changes(components))
     }
 
     /// Returns the layout of quantities that are no light; the first is the main one.
-    pub fn of_quantities(labels: Labels, by: By, quantities: Vec<Quantity>) -> Self {
-        Layout { labels, by, quantities, main: 0, has_energy: false, facts: Vec::new() }
+    pub fn of_quantities(bins: BinKind, by: By, quantities: Vec<Quantity>) -> Self {
+        Layout { bins, by, quantities, main: 0, has_energy: false, facts: Vec::new() }
     }
 
     /// Returns the layout of quantities that follow from components, equally many from each.
-    fn new(labels: Labels, by: By, components: &ComponentList, quantities: Vec<Quantity>) -> Self {
+    fn new(bins: BinKind, by: By, components: &ComponentList, quantities: Vec<Quantity>) -> Self {
         let of_each = quantities.len() / components.as_slice().len().max(1);
         let first = of_each * components.main_place();
         let here = quantities.iter().skip(first).take(of_each);
         let change = here.clone().position(|one| matches!(one.source, ValueSource::Change { .. }));
         let main = first + change.unwrap_or_default();
-        Layout { labels, by, quantities, main, has_energy: components.main() == Component::Total, facts: Vec::new() }
+        Layout { bins, by, quantities, main, has_energy: components.main() == Component::Total, facts: Vec::new() }
     }
 
     /// Returns the name of the first column.
     pub fn label(&self) -> &'static str {
-        match self.labels {
-            Labels::Conditions => "condition",
-            Labels::Times | Labels::Sums => "time",
-            Labels::Dates => "date",
-            Labels::Rules => "rule",
+        match self.bins {
+            BinKind::Conditions => "condition",
+            BinKind::Times | BinKind::Sums => "time",
+            BinKind::Dates => "date",
+            BinKind::Rules => "rule",
         }
     }
 
@@ -134,9 +157,9 @@ impl Layout {
         self.by.name()
     }
 
-    /// Returns the columns of a table whose rows have these labels.
-    pub fn columns(&self, labels: &RowLabels) -> TableColumns {
-        let label = Column::of_steps(self.label(), Kind::Category, labels);
+    /// Returns the columns of a table whose rows have these bins.
+    pub fn columns(&self, bins: &BinLabels) -> TableColumns {
+        let label = Column::of_bins(self.label(), Kind::Category, bins);
         let place = Column::of_places(self.place(), Kind::Category);
         let of_quantity = |quantity: &Quantity| match quantity.measure {
             Measure::Clock | Measure::Verdict => Column::text(quantity.with_ending(LightEnding::Bare)),
@@ -148,16 +171,19 @@ impl Layout {
         let quantities = self.quantities.iter().map(of_quantity);
         let facts = self.facts.iter().map(|fact| {
             let (name, unit) = self.fact(*fact);
-            Column::float(name, Digits::Six).with_unit(unit)
+            match fact.is_exact() {
+                true => Column::number_as(name, Digits::Fewest).with_unit(unit),
+                false => Column::float(name, Digits::Six).with_unit(unit),
+            }
         });
         TableColumns::new([label, place].into_iter().chain(quantities).chain(facts).collect())
     }
 
     /// Returns the digits of irradiance in text formats.
     pub fn digits_of_irradiance(&self) -> Digits {
-        match self.labels {
-            Labels::Sums => Digits::Six,
-            Labels::Conditions | Labels::Times | Labels::Dates | Labels::Rules => Digits::Thousandths,
+        match self.bins {
+            BinKind::Sums => Digits::Six,
+            BinKind::Conditions | BinKind::Times | BinKind::Dates | BinKind::Rules => Digits::Thousandths,
         }
     }
 
@@ -172,7 +198,7 @@ impl Layout {
 
     /// Returns the kind of ending of the names of light columns.
     fn ending(&self) -> LightEnding {
-        if self.labels == Labels::Sums { LightEnding::Sums } else { LightEnding::Bare }
+        if self.bins == BinKind::Sums { LightEnding::Sums } else { LightEnding::Bare }
     }
 
     /// Returns the names of the value columns.
@@ -189,9 +215,10 @@ impl Layout {
     /// Returns the name and unit of a fact.
     fn fact(&self, fact: Fact) -> (String, &'static str) {
         match fact {
-            Fact::Area => ("area_m2".into(), "m2"),
-            Fact::Tilt => ("tilt_deg".into(), "deg"),
-            Fact::Azimuth => ("azimuth_deg".into(), "deg"),
+            Fact::Coordinate(axis) => (["x", "y", "z"].get(axis).copied().unwrap_or_default().into(), "m"),
+            Fact::Area | Fact::Extent => ("area_m2".into(), "m2"),
+            Fact::Tilt | Fact::Direction(0) => ("tilt_deg".into(), "deg"),
+            Fact::Azimuth | Fact::Direction(_) => ("azimuth_deg".into(), "deg"),
             Fact::Sum => self.energy(),
         }
     }
@@ -199,9 +226,9 @@ impl Layout {
     /// Returns the name and unit of the main quantity x area.
     pub fn energy(&self) -> (String, &'static str) {
         let name = &self.main_quantity().name;
-        match self.labels {
-            Labels::Sums => (format!("{name}_kwh"), "kWh"),
-            Labels::Conditions | Labels::Times | Labels::Dates | Labels::Rules => (format!("{name}_w"), "W"),
+        match self.bins {
+            BinKind::Sums => (format!("{name}_kwh"), "kWh"),
+            BinKind::Conditions | BinKind::Times | BinKind::Dates | BinKind::Rules => (format!("{name}_w"), "W"),
         }
     }
 
@@ -234,7 +261,7 @@ impl Layout {
     }
 
     fn unit_of_light(&self, measure: LightMeasure) -> &'static str {
-        match (measure, self.labels == Labels::Sums) {
+        match (measure, self.bins == BinKind::Sums) {
             (LightMeasure::Irradiance, false) => "W/m2",
             (LightMeasure::Irradiance, true) => "kWh/m2",
             (LightMeasure::PhotonFlux, false) => "umol/(m2 s)",
@@ -270,12 +297,12 @@ mod tests {
     /// requested order, with their unit's ending.
     #[test]
     fn columns_come_in_the_requested_order() {
-        let all = Layout::of_components(Labels::Conditions, By::Receiver, &ComponentList::all());
+        let all = Layout::of_components(BinKind::Conditions, By::Receiver, &ComponentList::all());
         let expected =
-            "condition,receiver,sun_direct,sky_direct,sun_diffuse,sky_diffuse,sun_specular,sky_specular,total";
+            "condition,receiver,sun_direct,sky_direct,sun_reflected,sky_reflected,sun_mirrored,sky_mirrored,total";
         assert_eq!((all.names().join(",").as_str(), all.unit(), all.main), (expected, "W/m2", 6));
         let list = "total,sky_direct".parse().expect("names");
-        let two = Layout::of_components(Labels::Sums, By::Surface, &list);
+        let two = Layout::of_components(BinKind::Sums, By::Surface, &list);
         assert_eq!(two.names(), ["time", "surface", "total_kwh_m2", "sky_direct_kwh_m2"]);
         assert_eq!((two.unit(), two.energy()), ("kWh/m2", ("total_kwh".to_owned(), "kWh")));
     }
@@ -284,13 +311,13 @@ mod tests {
     /// total is the main one.
     #[test]
     fn a_comparison_has_four_columns_a_component() {
-        let layout = Layout::of_changes(Labels::Sums, By::Receiver, &"sky_direct,total".parse().expect("names"));
+        let layout = Layout::of_changes(BinKind::Sums, By::Receiver, &"sky_direct,total".parse().expect("names"));
         let of = |name: &str| ["before", "after", "change"].map(|side| format!("{side}_{name}_kwh_m2"));
         let names = [of("sky_direct").as_slice(), &["change_sky_direct_percent".into()], &of("total")].concat();
         assert_eq!(layout.values()[..7], names);
         assert_eq!((layout.values()[7].as_str(), layout.units()[7]), ("change_total_percent", "%"));
         assert_eq!((layout.main_quantity().words.as_str(), layout.has_energy), ("change of total", true));
-        let hours = Layout::of_changes(Labels::Times, By::Receiver, &"sun_direct".parse().expect("a name"));
+        let hours = Layout::of_changes(BinKind::Times, By::Receiver, &"sun_direct".parse().expect("a name"));
         let expected = ["before_sun_direct", "after_sun_direct", "change_sun_direct", "change_sun_direct_percent"];
         assert_eq!((hours.values(), hours.main, hours.has_energy), (expected.map(String::from).to_vec(), 2, false));
     }

@@ -9,6 +9,7 @@
 
 mod arrow;
 pub mod batch;
+pub mod bin_labels;
 pub mod column;
 mod csv;
 pub mod csvw;
@@ -20,7 +21,6 @@ mod npy;
 mod npz;
 mod numpy;
 mod parquet;
-pub mod row_labels;
 pub mod rows;
 pub mod writer;
 mod zone_name;

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use crate::outputs::sink::Sink;
 use crate::outputs::tables::batch::Batch;
-use crate::outputs::tables::column::{Along, Column, StepValues};
+use crate::outputs::tables::column::{Along, BinValues, Column};
 use crate::outputs::tables::format::{FormatWriter, TableRequest};
 use crate::outputs::tables::numpy::{NumpyArray, Units};
 use crate::outputs::tables::writer::failed;
@@ -84,8 +84,8 @@ impl FormatWriter for NpyTable {
 /// Returns the values of a column along steps.
 fn steps(column: &Column) -> Value {
     match &column.along {
-        Along::Steps(StepValues::Labels(labels)) => json!(labels.text),
-        Along::Steps(StepValues::Numbers(numbers)) => json!(numbers),
+        Along::Bins(BinValues::Labels(labels)) => json!(labels.text),
+        Along::Bins(BinValues::Numbers(numbers)) => json!(numbers),
         Along::Rows | Along::Places => Value::Null,
     }
 }

@@ -15,7 +15,7 @@ use zip::{CompressionMethod, ZipWriter};
 use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
 use crate::outputs::tables::batch::Batch;
-use crate::outputs::tables::column::{Along, Column, StepValues};
+use crate::outputs::tables::column::{Along, BinValues, Column};
 use crate::outputs::tables::format::{FormatWriter, TableRequest};
 use crate::outputs::tables::numpy::{COLUMN_AXIS, NumpyArray, Units, header};
 use crate::outputs::tables::writer::failed;
@@ -95,8 +95,8 @@ fn steps(zip: &mut ZipWriter<StreamWriter<Sink>>, column: &Column) -> io::Result
             let minutes = i64::from(instants.offset.minutes());
             array(zip, "utc_offset", &header("<m8[m]", &[]), [minutes.to_le_bytes()].into_iter())
         }
-        (Along::Steps(StepValues::Labels(labels)), None) => strings(zip, &column.name, &labels.text),
-        (Along::Steps(StepValues::Numbers(numbers)), None) => {
+        (Along::Bins(BinValues::Labels(labels)), None) => strings(zip, &column.name, &labels.text),
+        (Along::Bins(BinValues::Numbers(numbers)), None) => {
             let head = header("<f8", &[numbers.len() as u64]);
             array(zip, &column.name, &head, numbers.iter().map(|number| number.to_le_bytes()))
         }

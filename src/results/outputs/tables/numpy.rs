@@ -78,7 +78,7 @@ impl NumpyArray {
 
     /// Returns the columns along steps.
     pub fn steps(&self) -> impl Iterator<Item = &Column> {
-        self.columns.all().iter().filter(|column| column.is_of_steps())
+        self.columns.all().iter().filter(|column| column.is_of_bins())
     }
 
     /// Returns the names of the columns of numbers.

@@ -27,7 +27,7 @@ use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
 use crate::outputs::tables::arrow;
 use crate::outputs::tables::batch::{Batch, Values};
-use crate::outputs::tables::column::{Along, Column, Kind, StepValues, TableColumns};
+use crate::outputs::tables::column::{Along, BinValues, Column, Kind, TableColumns};
 use crate::outputs::tables::format::{FormatWriter, TableRequest};
 use crate::outputs::tables::writer::failed;
 use heliotile_core::error::Result;
@@ -111,7 +111,7 @@ impl ParquetTable {
         let descriptors = writer.schema_descr().columns().iter().cloned();
         let file_columns = columns.all().iter().zip(descriptors).map(|(column, descriptor)| FileColumn {
             descriptor,
-            of_steps: part_of_steps(column),
+            of_steps: part_of_bins(column),
             encoded: None,
         });
         let file_columns = file_columns.collect();
@@ -121,7 +121,7 @@ impl ParquetTable {
     /// Encodes all columns of a batch.
     fn encode(&mut self, batch: &Batch) -> ParquetResult<Vec<Chunk>> {
         let mut values = batch.values.iter();
-        let sources = self.columns.all().iter().map(|column| if column.is_of_steps() { None } else { values.next() });
+        let sources = self.columns.all().iter().map(|column| if column.is_of_bins() { None } else { values.next() });
         let sources: Vec<Option<&Values>> = sources.collect();
         let (steps, properties) = (self.columns.rows_of_place(), &self.properties);
         let columns = self.columns.all().par_iter().zip(&mut self.file_columns).zip(sources);
@@ -238,13 +238,13 @@ fn part_of<'v>(column: &Column, values: &'v Values) -> Part<'v> {
 }
 
 /// Returns the values of a column along steps, at one place.
-fn part_of_steps(column: &Column) -> Option<Part<'static>> {
+fn part_of_bins(column: &Column) -> Option<Part<'static>> {
     Some(match (&column.along, column.instants()) {
         (_, Some(instants)) => Part::Whole(instants.utc_us()),
-        (Along::Steps(StepValues::Labels(labels)), None) => {
+        (Along::Bins(BinValues::Labels(labels)), None) => {
             Part::Texts(labels.text.iter().map(|label| ByteArray::from(label.as_str())).collect())
         }
-        (Along::Steps(StepValues::Numbers(numbers)), None) => {
+        (Along::Bins(BinValues::Numbers(numbers)), None) => {
             Part::Floats(numbers.iter().map(|number| *number as f32).collect())
         }
         (Along::Rows | Along::Places, None) => return None,
@@ -275,7 +275,7 @@ fn schema(columns: &TableColumns, provenance: &Provenance) -> ParquetResult<(Arc
         }
         let encoding = match (column.instants(), column.kind) {
             (Some(_), _) => Some(TIME_ENCODING),
-            (None, Kind::Number(_) | Kind::Float(_)) if !column.is_of_steps() => Some(NUMBER_ENCODING),
+            (None, Kind::Number(_) | Kind::Float(_)) if !column.is_of_bins() => Some(NUMBER_ENCODING),
             _ => None,
         };
         if let Some(encoding) = encoding {

@@ -4,8 +4,8 @@ use super::*;
 use crate::outputs::provenance;
 use crate::outputs::quantities::PlaceValues;
 use crate::outputs::result_table::ResultTable;
-use crate::outputs::tables::layout::{By, Labels, Layout};
-use crate::outputs::tables::row_labels::{Precision, RowLabels};
+use crate::outputs::tables::bin_labels::{BinLabels, Precision};
+use crate::outputs::tables::layout::{BinKind, By, Layout};
 use ::parquet::file::reader::{FileReader, SerializedFileReader};
 use ::parquet::record::RowAccessor;
 use heliotile_core::replay::components::{Component, ComponentList};
@@ -14,7 +14,7 @@ use heliotile_core::weather::time::calendar::Date;
 use heliotile_core::weather::time::utc_offset::UtcOffset;
 
 /// Returns a layout of all columns.
-fn all(labels: Labels) -> Layout {
+fn all(labels: BinKind) -> Layout {
     Layout::of_components(labels, By::Receiver, &ComponentList::all())
 }
 
@@ -25,7 +25,7 @@ pub(in crate::outputs) fn create(
     receivers: &[String],
 ) -> Result<ResultTable> {
     let places = Places { count: receivers.len() as u64, names: &|| Ok(receivers.to_vec()) };
-    let labels = RowLabels::words(labels.to_vec());
+    let labels = BinLabels::words(labels.to_vec());
     ResultTable::create(path, layout, &labels, &places, &provenance::tests::example())
 }
 
@@ -72,14 +72,14 @@ fn csv_gives_all_rows_back_in_order() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("t.csv");
     let labels = names("l,", 30);
-    let mut writer = create(&path, &all(Labels::Conditions), &labels, &[]).expect("created");
+    let mut writer = create(&path, &all(BinKind::Conditions), &labels, &[]).expect("created");
     writer.write_tile(&names("r", 3), &all_of(&tile(0, 3, 30)), &[]).expect("written");
     writer.write_tile(&names("s", 2), &all_of(&tile(3, 2, 30)), &[]).expect("written");
     let stats = writer.finish().expect("finished");
     let text = std::fs::read_to_string(&path).expect("read");
     let beside = std::fs::metadata(folder.path().join("t.csv-metadata.json")).expect("metadata").len();
     assert_eq!((stats.rows, stats.bytes), (150, text.len() as u64 + beside));
-    let head = "condition,receiver,sun_direct,sky_direct,sun_diffuse,sky_diffuse,sun_specular,sky_specular,total\n";
+    let head = "condition,receiver,sun_direct,sky_direct,sun_reflected,sky_reflected,sun_mirrored,sky_mirrored,total\n";
     assert!(text.starts_with(head), "{text}");
     let mut reader = ::csv::Reader::from_reader(text.as_bytes());
     let mut rows = 0;
@@ -104,7 +104,7 @@ fn parquet_gives_all_values_back_bit_for_bit() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("t.parquet");
     let labels = names("2019-01-", 48);
-    let mut writer = create(&path, &all(Labels::Sums), &labels, &[]).expect("created");
+    let mut writer = create(&path, &all(BinKind::Sums), &labels, &[]).expect("created");
     let receivers = names("r", 10);
     for (first, count) in [(0, 4), (4, 4), (8, 2)] {
         let part = &receivers[first..first + count];
@@ -139,14 +139,14 @@ fn parquet_gives_all_values_back_bit_for_bit() {
 fn an_unknown_ending_is_refused_with_all_endings() {
     let folder = tempfile::tempdir().expect("a folder");
     for name in ["t.xlsx", "t", ".csv"] {
-        let error = create(&folder.path().join(name), &all(Labels::Times), &[], &[]).err();
+        let error = create(&folder.path().join(name), &all(BinKind::Times), &[], &[]).err();
         let text = error.map(|e| e.to_string()).unwrap_or_default();
         assert!(text.contains(".csv, .parquet, .arrow, .feather, .npy and .npz"), "{text}");
     }
     assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 0);
     for name in ["t.csv", "t.PARQUET", "t.arrow", "t.Feather", "t.npz", "t.npy"] {
         let path = folder.path().join(name);
-        let mut writer = create(&path, &all(Labels::Times), &names("t", 2), &[]).expect("created");
+        let mut writer = create(&path, &all(BinKind::Times), &names("t", 2), &[]).expect("created");
         assert!(writer.write_tile(&names("r", 2), &all_of(&tile(0, 2, 3)), &[]).is_err());
         assert!(writer.write_tile(&names("r", 3), &all_of(&tile(0, 2, 2)), &[]).is_err());
         writer.write_tile(&[], &all_of(&tile(0, 0, 2)), &[]).expect("nothing to write");
@@ -168,7 +168,7 @@ fn a_year_takes_less_than_14_bytes_a_row() {
     let date = |day: u32| Date::new(2019, 1 + day / 31, 1 + day % 31);
     let days = (0..372).filter_map(date);
     let moments: Vec<_> = days.flat_map(|date| (0..24).map(move |hour| (date, f64::from(60 * hour)))).collect();
-    let labels = RowLabels::moments(&moments, UtcOffset::of_hours(1.0), Precision::Minute);
+    let labels = BinLabels::moments(&moments, UtcOffset::of_hours(1.0), Precision::Minute);
     assert_eq!(labels.len(), 8760);
     let receivers = names("receiver_", count);
     for ending in ["parquet", "csv", "arrow", "feather", "npy", "npz"] {
@@ -177,7 +177,7 @@ fn a_year_takes_less_than_14_bytes_a_row() {
         let start = std::time::Instant::now();
         let places = Places { count: count as u64, names: &|| Ok(receivers.clone()) };
         let about = provenance::tests::example();
-        let mut writer = ResultTable::create(&path, &all(Labels::Times), &labels, &places, &about).expect("created");
+        let mut writer = ResultTable::create(&path, &all(BinKind::Times), &labels, &places, &about).expect("created");
         for (tile, names) in tiles.iter().zip(receivers.chunks(64)) {
             writer.write_tile(names, &all_of(tile), &[]).expect("written");
         }

@@ -14,7 +14,7 @@ import { FRAGMENT, ROW, VERTEX } from "./shader";
 /** Default memory of the card for receivers, MB. */
 export const BUDGET_MB = 256;
 
-const COMPONENTS = ["sun_direct", "sky_direct", "sun_diffuse", "sky_diffuse"];
+const COMPONENTS = ["sun_direct", "sky_direct", "sun_reflected", "sky_reflected"];
 
 /** Returns the components that count, or null if the card does not have them. */
 function chosen(component: string): Vector4 | null {

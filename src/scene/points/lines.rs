@@ -5,7 +5,9 @@ use std::path::Path;
 
 use glam::{DVec2, DVec3};
 
-use super::rows::CsvRows;
+use super::csv_rows::CsvRows;
+use super::header::{Header, advance_to_header};
+use super::rows::number;
 use heliotile_core::error::{Error, Result};
 
 /// A line in the order of travel.
@@ -43,31 +45,16 @@ const HINT: &str = "give columns x and y in metres; z (height of the road, metre
 /// cell is not a number or a line has no length.
 pub fn read_lines(file: &Path) -> Result<Vec<TravelLine>> {
     let mut rows = CsvRows::open(file)?;
-    if !rows.advance()? {
-        return Err(Error::input(file, None, "the file is empty", HINT));
-    }
-    let header: Vec<String> = rows.record.iter().map(str::to_lowercase).collect();
-    let place = |name: &str| header.iter().position(|column| column == name);
-    let (Some(x), Some(y)) = (place("x"), place("y")) else {
-        return Err(rows.error("there is no column `x` or no column `y`", HINT));
-    };
-    let (z, name) = (place("z"), place("line"));
+    advance_to_header(&mut rows, HINT)?;
+    let mut header = Header::of(&rows, HINT);
+    let (x, y) = (header.needed(&["x"])?, header.needed(&["y"])?);
+    let (z, name) = (header.find(&["z"])?, header.find(&["line"])?);
     let usual = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let mut lines: Vec<TravelLine> = Vec::new();
     while rows.advance()? {
-        let cell = |column: usize| rows.record.get(column).unwrap_or_default();
-        let number = |column: usize| {
-            let text = cell(column);
-            let number = text.parse().ok().filter(|number: &f64| number.is_finite());
-            let name = header.get(column).map_or("", String::as_str);
-            number.ok_or_else(|| rows.cell_error(name, text, "no number", "give metres, such as 12.5"))
-        };
-        let z = match z {
-            Some(z) if !cell(z).is_empty() => Some(number(z)?),
-            _ => None,
-        };
-        let corner = TravelCorner { at: DVec2::new(number(x)?, number(y)?), z };
-        let name = name.map(cell).filter(|name| !name.is_empty()).unwrap_or(&usual);
+        let z = z.filter(|z| !rows.cell(z.place).is_empty()).map(|z| number(&rows, z)).transpose()?;
+        let corner = TravelCorner { at: DVec2::new(number(&rows, x)?, number(&rows, y)?), z };
+        let name = name.map(|name| rows.cell(name.place)).filter(|name| !name.is_empty()).unwrap_or(&usual);
         let known = lines.iter().position(|line| line.name == name);
         match known {
             None => lines.push(TravelLine { name: name.to_owned(), corners: vec![corner] }),
@@ -156,7 +143,7 @@ mod tests {
     fn malformed_lines_are_refused() {
         for (text, says) in [
             ("", "empty"),
-            ("x,z\n1,2\n", "no column"),
+            ("x,z\n1,2\n", "column `y` is missing"),
             ("x,y\n1,2\n1,two\n", "line 3"),
             ("x,y\n1,2\n1,2\n", "no length"),
             ("line,x,y\na,0,0\na,1,0\nb,0,0\nb,1,1\na,2,2\n", "do not follow each other"),

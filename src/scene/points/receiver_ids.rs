@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use crate::covering::rows::CsvRows;
+use super::csv_rows::CsvRows;
 use heliotile_core::error::{Error, Result};
 
 /// Column that is read; all others are ignored.

@@ -50,7 +50,7 @@ pub struct Instants {
 
 /// Labels of the rows of a receiver, in order.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct RowLabels {
+pub struct BinLabels {
     /// Text for CSV.
     pub text: Vec<String>,
     /// Labels as instants; `None` for names of conditions, `total` and the periods of a typical
@@ -58,10 +58,10 @@ pub struct RowLabels {
     pub instants: Option<Instants>,
 }
 
-impl RowLabels {
+impl BinLabels {
     /// Returns labels that are no times.
     pub fn words(text: Vec<String>) -> Self {
-        RowLabels { text, instants: None }
+        BinLabels { text, instants: None }
     }
 
     /// Returns the labels of moments of a local clock: a date, and minutes after its midnight.
@@ -80,7 +80,7 @@ impl RowLabels {
             i64::from(date.day_number()) * DAY_S + seconds(minutes) - 60 * i64::from(offset.minutes())
         };
         let utc_s = moments.iter().map(utc).collect();
-        RowLabels { text, instants: Some(Instants { utc_s, offset, precision }) }
+        BinLabels { text, instants: Some(Instants { utc_s, offset, precision }) }
     }
 
     /// Returns true if there are no labels.
@@ -118,10 +118,10 @@ impl Instants {
 mod tests {
     use super::*;
 
-    fn labels(moments: &[((i32, u32, u32), f64)], hours: f64, precision: Precision) -> RowLabels {
+    fn labels(moments: &[((i32, u32, u32), f64)], hours: f64, precision: Precision) -> BinLabels {
         let moments: Vec<_> =
             moments.iter().map(|((y, m, d), minutes)| (Date::new(*y, *m, *d).expect("a date"), *minutes)).collect();
-        RowLabels::moments(&moments, UtcOffset::of_hours(hours), precision)
+        BinLabels::moments(&moments, UtcOffset::of_hours(hours), precision)
     }
 
     /// A clock moved by 41 minutes begins on the day before, at 23:19, and another row is on the

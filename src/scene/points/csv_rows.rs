@@ -58,6 +58,11 @@ impl<'a> CsvRows<'a> {
         })
     }
 
+    /// Returns the text of a cell; empty if the row has none there.
+    pub(crate) fn cell(&self, place: usize) -> &str {
+        self.record.get(place).unwrap_or_default()
+    }
+
     pub(crate) fn error(&self, what: impl Into<String>, hint: impl Into<String>) -> Error {
         Error::input(self.file, self.line, what, hint)
     }
