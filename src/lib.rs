@@ -59,25 +59,166 @@ pub mod book;
 mod site;
 
 pub use heliotile_builder::pipeline::{Output, Start};
-pub use heliotile_builder::planning::{AccuracyRequest, BuildDone, PlanReport};
+pub use heliotile_builder::planning::{AccuracyRequest, BuildDone, EffectsUnder, PlanReport};
 pub use heliotile_builder::settings::{EffectChoice, Quality, Share};
 pub use heliotile_builder::transfer::{Bounds, Selection};
 pub use heliotile_core::archive::Access;
+pub use heliotile_core::error;
 pub use heliotile_core::error::{Error, Result};
+pub use heliotile_core::light::paths::LightPaths;
+pub use heliotile_core::light::radiosity::MaxBounces;
 pub use heliotile_core::memory::MemoryBudget;
 pub use heliotile_core::observer::{Observer, Silent};
 pub use heliotile_core::replay::components::{Component, ComponentList, ComponentSet};
+pub use heliotile_core::replay::factors::FACTORS;
+pub use heliotile_core::replay::reflectances::{Changes, ConstantOrFile, Snow};
+pub use heliotile_core::site::bands::BandOptics;
 pub use heliotile_core::site::material::{Class, Material};
 pub use heliotile_core::site::receiver::Receiver;
-pub use heliotile_core::units::direction_from_degrees;
+pub use heliotile_core::sky::model::SkyModel;
+pub use heliotile_core::sky::own_skies::SkyScale;
+pub use heliotile_core::units::{Bytes, direction_from_degrees};
 pub use heliotile_core::weather::conditions::Condition;
+pub use heliotile_core::weather::options::{DateOrder, StampedAt, TimeShift, WeatherOptions};
+pub use heliotile_core::weather::span::Moment;
+pub use heliotile_core::weather::temperatures::Temperature;
+pub use heliotile_core::weather::time::clock_zone::ClockZone;
+pub use heliotile_energyplus::{EnergyplusRequest, Physics};
+pub use heliotile_results::covering::{CoverRequest, Density};
+pub use heliotile_results::pv::{PvDone, PvRequest};
 pub use heliotile_results::site_build::check_output;
 pub use heliotile_results::{
-    CompareRequest, ConditionSource, CoverRequest, Every, FileRequest, FolderOption, Illumination, LightChoice,
-    Provenance, QueryRequest, ReceiverChoice, ReceiverSource, ReplayRequest, Resources, SiteArchiveRequest, SiteBuild,
-    SiteFolder, Tile,
+    AuditRequest, BandChoice, BandList, BinLabels, BuildingsRequest, By, ClassShare, ComfortChoice, ComfortColumn,
+    ComfortRequest, ComfortSiteRequest, CompareRequest, ConditionSource, DaySpan, Every, FactorRows, FactorsRequest,
+    FileRequest, FolderOption, GlareChoice, Illumination, LightChoice, PageRequest, PartReceivers, PlaceOn,
+    PlacesRequest, Posture, Provenance, QueryRequest, ReceiverChoice, ReceiverSource, RepairRequest, ReplayRequest,
+    Resources, RunDone, RunMap, RunRequest, SideHours, SiteArchiveRequest, SiteBuild, SiteFolder, SkyChoice, SkyFiles,
+    SunOnPerson, SunlightRequest, SurfaceTemperatures, Tile, TileSink, TradeoffRequest, UpdateRequest, Verdict,
+    WindChoice, shipped_rules,
 };
-pub use heliotile_scene::Scene;
+pub use heliotile_scene::edit::{ObjectHeight, ObjectMaterial, ObjectMove, SceneEdits};
+pub use heliotile_scene::footprint_options::{FootprintOptions, HeightAbove, HeightSource};
+pub use heliotile_scene::placing::frame::{SiteFrame, UpAxis};
+pub use heliotile_scene::points::receivers::ReceiverCsv;
 pub use heliotile_scene::request::SceneRequest;
+pub use heliotile_scene::site::SceneFiles;
+pub use heliotile_scene::{ModelVersion, Scene, SurfaceRasters};
 pub use site::{ReceiverTotal, Site, SiteOptions, SiteReplay};
-pub use {heliotile_atlas, heliotile_builder, heliotile_core, heliotile_remote, heliotile_results, heliotile_scene};
+
+/// Archives as files: blocks, stores of layers, transfers between archives.
+pub mod archive {
+    pub use heliotile_builder::store::{Folder, Store};
+    pub use heliotile_builder::transfer;
+    pub use heliotile_builder::transfer::{Assembled, LayeredReceiver};
+    pub use heliotile_core::archive::accuracy::Accuracy;
+    pub use heliotile_core::archive::format::TileNumber;
+    pub use heliotile_core::archive::{Archive, Problem, ReadAt, format, tables, verify};
+    pub use heliotile_core::opened::OpenSite;
+    pub use heliotile_core::replay::run::Replay;
+    pub use heliotile_remote::places::{hold, open_archive, require_file};
+}
+
+/// Regions in parts: planned, built, listed, copied, catalogued.
+pub mod atlas {
+    pub use heliotile_atlas::about::built;
+    pub use heliotile_atlas::catalogue::{CatalogueRequest, catalogue};
+    pub use heliotile_atlas::opened::check_square;
+    pub use heliotile_atlas::page::{PARTS, archive_of, list};
+    pub use heliotile_atlas::part::{PartRequest, build_parts};
+    pub use heliotile_atlas::partition::{PartitionRequest, partition};
+    pub use heliotile_atlas::plan::{AtlasPlan, CutRequest, FILE};
+    pub use heliotile_atlas::sources::holding;
+    pub use heliotile_atlas::{Atlas, ExportRequest, ListedPart, SunPosition, VerifyRequest, about, copied, parts};
+}
+
+/// Receivers on surfaces and along lines.
+pub mod covering {
+    pub use heliotile_results::along::{AlongRequest, write_points};
+    pub use heliotile_results::covering::{check_name, cover_scene, cover_site, doubts, save, summary, write};
+    pub use heliotile_results::horizon::black_below_horizon;
+    pub use heliotile_scene::covering::surfaces::Surfaces;
+    pub use heliotile_scene::semantics::SurfaceKind;
+}
+
+/// Materials: numbers in messages, files of changes.
+pub mod materials {
+    pub use heliotile_core::replay::reflectances::followed_files;
+    pub use heliotile_core::site::material::rounded;
+}
+
+/// Memory of the machine, and scratch space on disk.
+pub mod memory {
+    pub use heliotile_builder::spill::{SystemTemp, check_memory};
+}
+
+/// Values that users choose by name.
+pub mod names {
+    pub use heliotile_core::named::{NamedValues, by_name, name_of};
+}
+
+/// Files to write: guards, endings, formats.
+pub mod output {
+    pub use heliotile_builder::writing::claim::{ClaimedOutput, OutputGuard, same_place};
+    pub use heliotile_builder::writing::copy::folder_of;
+    pub use heliotile_builder::writing::guards::{
+        check_archive_name, guard_archive, guard_output, guard_site, is_archive,
+    };
+    pub use heliotile_builder::writing::whole_file::remove_unfinished;
+    pub use heliotile_results::outputs::city_model::is_city_model;
+    pub use heliotile_results::outputs::results::ResultFormat;
+    pub use heliotile_results::outputs::shapes::writer::MapFormat;
+    pub use heliotile_results::outputs::sink::write_texts;
+    pub use heliotile_results::outputs::tables::format::{Format, files_of};
+    pub use heliotile_results::outputs::viewer_page::{ViewerPage, packed};
+    pub use heliotile_results::run::folder_beside;
+}
+
+/// Charts.
+pub mod plot {
+    pub use heliotile_results::outputs::pictures::plot::{Axis, Plot, Series, Style};
+}
+
+/// Addresses in object stores.
+pub mod remote {
+    pub use heliotile_remote::naming::{is_address, shown};
+    pub use heliotile_remote::{copy, traffic};
+}
+
+/// Files of the world: input, checks of their options.
+pub mod scene {
+    pub use heliotile_scene::input::weather::read_weather_as;
+    pub use heliotile_scene::placing::frame::{check_elevation, check_epsg, check_rotation, check_scale};
+    pub use heliotile_scene::{format_of_name, input};
+}
+
+/// Tables of results.
+pub mod tables {
+    pub use heliotile_results::outputs::tables;
+    pub use heliotile_results::outputs::tables::rows::{Cell, Records};
+    pub use heliotile_results::{ArrowRows, Layout, ONE_SIDE, is_time, open_after};
+}
+
+/// Words of messages.
+pub mod text {
+    pub use heliotile_core::text::{Named, counted, excerpt, with_fields, with_list, without_secrets};
+}
+
+/// Tracing: plans, conditions of accuracy, studies of the tracer.
+pub mod tracing {
+    pub use heliotile_builder::accuracy::conditions::ErrorConditions;
+    pub use heliotile_builder::pipeline::Workspace;
+    pub use heliotile_builder::planning::tables::in_hours;
+    pub use heliotile_builder::planning::{PREVIEWS, tables};
+    pub use heliotile_builder::study::mapping::{HemisphereMapping, MappedRay};
+    pub use heliotile_builder::study::wall::Wall;
+    pub use heliotile_builder::trace::Tracer;
+    pub use heliotile_builder::trace::canopy::in_hulls;
+    pub use heliotile_builder::trace::placement::Placement;
+    pub use heliotile_builder::trace::receiver::Viewpoint;
+}
+
+/// Weather: sums, distance from a site.
+pub mod weather {
+    pub use heliotile_core::weather::distance::far_apart;
+    pub use heliotile_core::weather::monthly::WeatherSums;
+}

@@ -20,7 +20,7 @@ use heliotile_results::covering::CoverRequest;
 use heliotile_scene::input;
 use heliotile_scene::region_part::RegionPart;
 use heliotile_scene::request::SceneRequest;
-use heliotile_scene::site::Site;
+use heliotile_scene::site::SceneFiles;
 use heliotile_scene::survey::FileSurvey;
 
 pub use heliotile_remote::places::ATLAS as FILE;
@@ -236,7 +236,7 @@ impl AtlasPlan {
     }
 
     /// Returns the site of a part: the files that may hold objects that count.
-    pub fn site(&self, within: RegionPart, atlas: &Path) -> Result<Site> {
+    pub fn site(&self, within: RegionPart, atlas: &Path) -> Result<SceneFiles> {
         let mut site = self.cut.scene.site()?;
         if !site.parts.iter().map(|part| &part.file).eq(self.files.iter().map(|planned| &planned.file)) {
             let what = "the scene lists other files than when the region was cut";
@@ -258,7 +258,7 @@ impl AtlasPlan {
     }
 
     /// Returns the first file of a part that has changed since the region was cut.
-    pub fn changed(&self, site: &Site) -> Result<Option<PathBuf>> {
+    pub fn changed(&self, site: &SceneFiles) -> Result<Option<PathBuf>> {
         let is_far = |path: &PathBuf| self.files.iter().any(|planned| planned.file == *path);
         let lists = said_in(&self.cut.scene).filter(|path| !is_far(path));
         for path in site.files().map(Path::to_path_buf).chain(lists) {

@@ -8,7 +8,7 @@ pub use cli::{command_of, option_of};
 
 use std::ffi::OsString;
 
-use heliotile_core::error::Error;
+use heliotile::Error;
 
 /// Parses a command line whose first word is the program's name, runs the command and prints the
 /// error, if there is one. Returns the exit code: 0 done, 1 found a problem, 2 could not run, 130

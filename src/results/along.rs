@@ -16,7 +16,7 @@ use heliotile_core::site::patch::Patch;
 use heliotile_scene::Scene;
 use heliotile_scene::covering::cover::MOST_POINTS;
 use heliotile_scene::points::lines::{TravelLine, TravelPoint, read_lines};
-use heliotile_scene::site::Site;
+use heliotile_scene::site::SceneFiles;
 
 /// Request for receivers along lines of travel.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,7 +48,7 @@ const BACK: &str = "-back";
 impl AlongRequest {
     /// Returns the receivers on the scene of `site`. Errors: numbers out of range, lines that
     /// cannot be read, no ground below a point.
-    pub fn points(&self, site: &Site, observer: &dyn Observer) -> Result<Vec<EyePoint>> {
+    pub fn points(&self, site: &SceneFiles, observer: &dyn Observer) -> Result<Vec<EyePoint>> {
         for (field, metres) in [("spacing", self.spacing_m), ("eye_height", self.height_m)] {
             if !(0.001..=10_000.0).contains(&metres) {
                 return Err(Error::argument(field, format!("is {metres} m"), "give 0.001 to 10000 metres"));

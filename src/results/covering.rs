@@ -29,7 +29,7 @@ use heliotile_scene::mesh::bounds;
 use heliotile_scene::objects::twins;
 use heliotile_scene::region_part::RegionPart;
 use heliotile_scene::semantics::{SourceFace, SurfaceKind};
-use heliotile_scene::site::Site;
+use heliotile_scene::site::SceneFiles;
 
 pub use heliotile_scene::covering::cover::Density;
 
@@ -163,7 +163,11 @@ impl PlacedReceivers {
 
 /// Reads a site and covers its surfaces. Receivers are limited to the part of a region that the
 /// site states. The observer gets warnings about the scene.
-pub fn cover_site(site: &Site, request: &CoverRequest, observer: &dyn Observer) -> Result<(Scene, PlacedReceivers)> {
+pub fn cover_site(
+    site: &SceneFiles,
+    request: &CoverRequest,
+    observer: &dyn Observer,
+) -> Result<(Scene, PlacedReceivers)> {
     let (scene, soup) = Scene::load_with_objects(site)?;
     // Warnings come first: covering may fail.
     scene.report.tell(observer);

@@ -22,7 +22,7 @@ use heliotile_core::units::tilt_and_azimuth;
 
 /// Returns the columns of the table.
 fn columns() -> Vec<Column> {
-    let numbers = ["x", "y", "z", "tilt", "azimuth", "total_kwh_m2", "module_kwh", "sky_view"];
+    let numbers = ["x", "y", "z", "tilt_deg", "azimuth_deg", "total_kwh_m2", "module_kwh", "sky_view"];
     let numbers = numbers.map(|name| Column::number(name, 3));
     let names = ["receiver", "surface", "building"].map(Column::text);
     std::iter::once(Column::text("point")).chain(numbers).chain(names).collect()

@@ -29,7 +29,7 @@ use heliotile_remote::places::open_archive;
 use heliotile_scene::Scene;
 use heliotile_scene::points::receivers::ReceiverCsv;
 use heliotile_scene::request::SceneRequest;
-use heliotile_scene::site::Site;
+use heliotile_scene::site::SceneFiles;
 
 /// Hint for a folder that holds other results.
 pub const KEEP_OR_REPLACE: &str = "give {output} FOLDER to keep both, or {replace} to replace the old results";
@@ -163,7 +163,7 @@ const OTHER_INPUTS: &str =
 
 /// Checks the archive that a build of `site` will write, before anything is read: its name, its
 /// folder, and that it is none of the inputs.
-pub fn check_output(output: &Path, site: &Site, inputs: &[Option<&Path>]) -> Result<()> {
+pub fn check_output(output: &Path, site: &SceneFiles, inputs: &[Option<&Path>]) -> Result<()> {
     if is_address(output) {
         let hint = "write a file, and then: {command:copy} FILE ADDRESS";
         return Err(Error::input(&shown(output), None, "is an address, and only `copy` writes to addresses", hint));

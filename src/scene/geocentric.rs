@@ -91,7 +91,7 @@ pub(crate) fn to_local(vertices: &mut [DVec3], of_scene: Option<LocalFrame>) -> 
 mod tests {
     use super::*;
     use crate::Scene;
-    use crate::site::Site;
+    use crate::site::SceneFiles;
 
     const POINT: [f64; 3] = [3_923_453.927_6, 301_066.748_5, 5_002_838.806_0];
 
@@ -149,7 +149,7 @@ mod tests {
         for (file, east) in files.iter().zip([0.0, 100.0]) {
             std::fs::write(file, house(east)).expect("written");
         }
-        let scene = Scene::load_site(&Site::of(&files, None).expect("a site")).expect("a scene");
+        let scene = Scene::load_site(&SceneFiles::of(&files, None).expect("a site")).expect("a scene");
         let (low, high) = scene.mesh.bounds();
         assert!((high - low - DVec3::new(110.0, 10.0, 8.0)).abs().max_element() < 0.01, "{}", high - low);
         assert!((low.z + scene.mesh.origin.z - 45.0).abs() < 0.01);

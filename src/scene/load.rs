@@ -32,7 +32,7 @@ use crate::polygon::{OFF_PLANE_M, Triangulation, object_name};
 use crate::reference::Reference;
 use crate::region_part::RegionPart;
 use crate::semantics::SourceFace;
-use crate::site::{MissingGround, Part, Site};
+use crate::site::{MissingGround, Part, SceneFiles};
 use crate::surface_city::read::{Beyond, SurfaceRead, no_raster, read_surface};
 use crate::terrain::focus::Focus;
 use crate::terrain::mosaic::{Tile, joined};
@@ -159,23 +159,23 @@ impl Scene {
     /// Loads one file, with its own reflectances except those that `materials.toml` states. No
     /// ground is assumed.
     pub fn load(file: &Path, materials: Option<&Path>) -> Result<Scene> {
-        Scene::load_site(&Site { parts: vec![Part::plain(file, materials)], ..Site::default() })
+        Scene::load_site(&SceneFiles { parts: vec![Part::plain(file, materials)], ..SceneFiles::default() })
     }
 
     /// Loads all files of a site.
-    pub fn load_site(site: &Site) -> Result<Scene> {
+    pub fn load_site(site: &SceneFiles) -> Result<Scene> {
         load(site, false).map(|loaded| loaded.0)
     }
 
     /// Loads all files of a site, with the soup of triangles and the objects that they are parts
     /// of.
-    pub fn load_with_objects(site: &Site) -> Result<(Scene, Soup)> {
+    pub fn load_with_objects(site: &SceneFiles) -> Result<(Scene, Soup)> {
         load(site, true)
     }
 }
 
 /// Loads all files of a site; without `keep` the soup is empty.
-fn load(site: &Site, keep: bool) -> Result<(Scene, Soup)> {
+fn load(site: &SceneFiles, keep: bool) -> Result<(Scene, Soup)> {
     let (mut palette, mut pile) = (Palette::default(), Pile { keep, ..Pile::default() });
     let (mut rasters, mut surfaces, mut outlines, mut local_frame) = (Vec::new(), Vec::new(), Vec::new(), None);
     pile.report.warnings.extend(site.unused_up());
@@ -519,7 +519,7 @@ impl Pile {
     // The mesh is made of the triangles that count; the soup also holds those that were put aside.
     fn finish(
         mut self,
-        site: &Site,
+        site: &SceneFiles,
         palette: &Palette,
         ground: Option<(EndlessGround, u32)>,
         keep: bool,

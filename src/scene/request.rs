@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::footprint_options::FootprintOptions;
 use crate::model_version::ModelVersion;
 use crate::placing::frame::SiteFrame;
-use crate::site::{MissingGround, Part, Site};
+use crate::site::{MissingGround, Part, SceneFiles};
 use crate::surface_rasters::SurfaceRasters;
 use heliotile_core::error::{Error, Result};
 
@@ -51,11 +51,11 @@ impl SceneRequest {
     }
 
     /// Returns the site of the files. Fails if a number is out of range or a list cannot be read.
-    pub fn site(&self) -> Result<Site> {
+    pub fn site(&self) -> Result<SceneFiles> {
         let hint = "state the coordinate system, place or unit of the scene's coordinates";
         self.frame.check().map_err(|(field, what)| Error::argument(field, what, hint))?;
         self.footprints.check().map_err(|(field, what)| Error::argument(field, what, "give metres above 0"))?;
-        let mut site = Site::of(&self.files, self.materials.as_deref())?;
+        let mut site = SceneFiles::of(&self.files, self.materials.as_deref())?;
         if let Some(rasters) = &self.surface {
             let hint =
                 if rasters.dsm.as_os_str().is_empty() { SurfaceRasters::NEEDED } else { "give a value in that range" };

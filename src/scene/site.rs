@@ -20,7 +20,7 @@ use heliotile_core::error::{Error, Result};
 
 /// Files that make up one scene.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Site {
+pub struct SceneFiles {
     /// Files, in the order in which they were named.
     pub parts: Vec<Part>,
     /// Place, rotation, unit and axis that hold for all files.
@@ -237,12 +237,12 @@ const KEYS: &str = "write a table [[scene]] for each file: file = \"town.city.js
                     trunk_share, crown_transmittance; what holds for all files stands in a table [site]: epsg, latitude_deg, \
                     longitude_deg, rotate_deg, elevation_m, scale, up";
 
-impl Site {
+impl SceneFiles {
     /// Returns the site of scene files and `site.toml` files in any mixture. `materials` is for
     /// files that name none of their own. A folder stands for the `site.toml` in it, or without one
     /// for the tiles of CityGML in it.
-    pub fn of(files: &[PathBuf], materials: Option<&Path>) -> Result<Site> {
-        let mut site = Site::default();
+    pub fn of(files: &[PathBuf], materials: Option<&Path>) -> Result<SceneFiles> {
+        let mut site = SceneFiles::default();
         for file in files {
             let listed = if file.is_dir() { listed_in(file)? } else { Some(file.clone()) };
             let Some(listed) = listed else {
@@ -253,7 +253,7 @@ impl Site {
                 continue;
             };
             if input::ending(&listed) == "toml" {
-                let Site { parts, frame, .. } = read_site(&listed, materials)?;
+                let SceneFiles { parts, frame, .. } = read_site(&listed, materials)?;
                 site.parts.extend(parts);
                 site.frame = site.frame.joined(&frame).map_err(|key| {
                     let what = format!("its [site] states another `{key}` than the site file before it");
@@ -267,8 +267,8 @@ impl Site {
     }
 
     /// Returns this site with what `frame` states in place of its own frame.
-    pub fn framed(self, frame: &SiteFrame) -> Site {
-        Site { frame: self.frame.under(frame), ..self }
+    pub fn framed(self, frame: &SiteFrame) -> SceneFiles {
+        SceneFiles { frame: self.frame.under(frame), ..self }
     }
 
     /// Returns a warning if the frame states which axis points up and no file has a format that
@@ -306,7 +306,7 @@ fn listed_in(folder: &Path) -> Result<Option<PathBuf>> {
 /// .xml as well.
 const TILES: [&str; 3] = ["gml", "citygml", "xml"];
 
-fn read_site(path: &Path, materials: Option<&Path>) -> Result<Site> {
+fn read_site(path: &Path, materials: Option<&Path>) -> Result<SceneFiles> {
     let bytes = input::read(path)?;
     let text = String::from_utf8_lossy(&bytes);
     let document: Document = toml::from_str(&text).map_err(|error| {
@@ -327,7 +327,7 @@ fn read_site(path: &Path, materials: Option<&Path>) -> Result<Site> {
     let grid_north = false;
     let stated = SiteFrame { epsg, latitude_deg, longitude_deg, rotate_deg, grid_north, elevation_m, scale, up };
     let frame = stated.checked().map_err(|what| Error::input(path, None, format!("the table [site]: {what}"), KEYS))?;
-    Ok(Site { parts, frame, ..Site::default() })
+    Ok(SceneFiles { parts, frame, ..SceneFiles::default() })
 }
 
 /// Returns the part of an entry; an error says what is wrong.
@@ -419,7 +419,7 @@ mod tests {
 
     const SQUARE: &str = "v 0 0 0\nv 2 0 0\nv 2 0 -2\nv 0 0 -2\nusemtl wall\nf 1 2 3 4\n";
 
-    fn site(toml: &str) -> (tempfile::TempDir, Result<Site>) {
+    fn site(toml: &str) -> (tempfile::TempDir, Result<SceneFiles>) {
         let folder = tempfile::tempdir().expect("a folder");
         let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).expect("written");
         write("a.obj", SQUARE);
@@ -427,7 +427,7 @@ mod tests {
         write("a.toml", "[wall]\ndiffuse = 0.5\n");
         write("b.toml", "[wall]\ndiffuse = 0.1\n");
         write("site.toml", toml);
-        let site = Site::of(&[folder.path().to_owned()], None);
+        let site = SceneFiles::of(&[folder.path().to_owned()], None);
         (folder, site)
     }
 
@@ -463,7 +463,7 @@ mod tests {
         // The first file spans y 0 to 2 at z = 0, the second one z -2 to 0 at y = 0.
         assert_eq!((high - low).to_array(), [11.0, 2.0, 2.0]);
         assert_eq!(site.unused_up(), None);
-        let plain = Site { parts: vec![Part::plain(Path::new("a.glb"), None)], ..site };
+        let plain = SceneFiles { parts: vec![Part::plain(Path::new("a.glb"), None)], ..site };
         assert!(plain.unused_up().is_some_and(|said| said.contains("no file is one of these")));
     }
 
@@ -493,7 +493,7 @@ mod tests {
         for name in ["2.gml.gz", "1.gml", "codes.xml", "readme.txt"] {
             write(name, "");
         }
-        let parts = || Site::of(&[folder.path().to_owned()], None).expect("a site").parts;
+        let parts = || SceneFiles::of(&[folder.path().to_owned()], None).expect("a site").parts;
         let names: Vec<_> = parts().iter().map(|part| part.file.file_name().expect("a name").to_owned()).collect();
         assert_eq!(names, ["1.gml", "2.gml.gz"]);
         write("site.toml", "[[scene]]\nfile = \"a.obj\"\n");

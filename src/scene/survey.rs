@@ -12,7 +12,7 @@ use crate::formats::{Asked, Content};
 use crate::geometry::Geometry;
 use crate::reference::Reference;
 use crate::semantics::SurfaceKind;
-use crate::site::{Part, Site};
+use crate::site::{Part, SceneFiles};
 use crate::surface_city::read::{no_raster, windows_of};
 use heliotile_core::error::{Error, Result};
 
@@ -40,7 +40,7 @@ pub struct SurveyedObject {
     pub is_usual: bool,
 }
 
-impl Site {
+impl SceneFiles {
     /// Surveys all files, in their order.
     pub fn survey(&self) -> Result<Vec<FileSurvey>> {
         let all: Vec<Surveyed> = self.parts.par_iter().map(|part| survey(part, self)).collect::<Result<_>>()?;
@@ -64,7 +64,7 @@ struct Surveyed {
     system: Option<Reference>,
 }
 
-fn survey(part: &Part, site: &Site) -> Result<Surveyed> {
+fn survey(part: &Part, site: &SceneFiles) -> Result<Surveyed> {
     let asked = Asked {
         lod: part.lod.clone(),
         assume_version: part.assume_version,
@@ -160,7 +160,7 @@ mod tests {
         let path = folder.path().join("two.obj");
         std::fs::write(&path, format!("o a\n{}o b\n{}", square(0.0, 1.0, 0), square(5.0, 2.0, 3))).expect("written");
         let part = Part { offset: DVec3::new(10.0, 0.0, 0.0), ..Part::plain(Path::new(&path), None) };
-        let found = Site { parts: vec![part], ..Site::default() }.survey().expect("readable");
+        let found = SceneFiles { parts: vec![part], ..SceneFiles::default() }.survey().expect("readable");
         let boxes: Vec<[DVec3; 2]> = found[0].objects.iter().map(|object| object.bounds).collect();
         let at = |x: f64, size: f64| [DVec3::new(x, 0.0, 0.0), DVec3::new(x + size, size, size)];
         assert_eq!(boxes, [at(10.0, 1.0), at(15.0, 2.0)]);

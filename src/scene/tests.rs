@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::site::{Part, Site};
+use crate::site::{Part, SceneFiles};
 use crate::*;
 
 const VERTICES: &str = "v 78000.125 457000.5 3.25\nv 78010.125 457000.5 3.25\nv 78010.125 457010.5 3.25\n\
@@ -128,7 +128,7 @@ fn a_material_missing_in_the_table_is_an_error() {
     let obj = folder.write("town.obj", &format!("{VERTICES}f 1 2 3 4\n"));
     let materials = folder.write("materials.toml", MATERIALS);
     let strict = Part { materials_only: true, ..Part::plain(&obj, Some(&materials)) };
-    let refused = Scene::load_site(&Site { parts: vec![strict], ..Site::default() });
+    let refused = Scene::load_site(&SceneFiles { parts: vec![strict], ..SceneFiles::default() });
     let found = refused.expect_err("not described").to_string();
     for part in ["materials.toml: ", "`default`, which 2 triangles use", "[default]"] {
         assert!(found.contains(part), "{found}");
@@ -160,7 +160,7 @@ fn a_table_overlays_the_library() {
     let walls = |materials: Option<&Path>| -> Vec<f64> {
         let part = |file: &PathBuf, x| Part { offset: DVec3::new(x, 0.0, 0.0), ..Part::plain(file, materials) };
         let parts = vec![part(&files[0], 0.0), part(&files[1], 50.0)];
-        let scene = Scene::load_site(&Site { parts, ..Site::default() }).expect("readable");
+        let scene = Scene::load_site(&SceneFiles { parts, ..SceneFiles::default() }).expect("readable");
         let walls = scene.materials.iter().filter(|material| material.name.starts_with("wall"));
         walls.map(|material| material.diffuse).collect()
     };

@@ -14,7 +14,7 @@ use heliotile_core::memory::MemoryBudget;
 use heliotile_core::observer::Silent;
 use heliotile_core::sky::model::SkyModel;
 use heliotile_scene::Scene;
-use heliotile_scene::site::Site;
+use heliotile_scene::site::SceneFiles;
 
 use crate::cli::{Folder, golden, stderr, stdout};
 use crate::scenes::{build, fine, many, mirror_town, plan, site, tiles};
@@ -62,7 +62,7 @@ fn mirrors_and_glass_agree_with_the_reference() {
 fn an_audit_refutes_false_claims_only() {
     let folder = Folder::new();
     let files = [folder.path("scene.obj")];
-    let scene = Site::of(&files, Some(&folder.path("materials.toml"))).and_then(|site| Scene::load_site(&site));
+    let scene = SceneFiles::of(&files, Some(&folder.path("materials.toml"))).and_then(|site| Scene::load_site(&site));
     let scene = scene.expect("a scene");
     for (name, rmse_percent) in [("modest.helio", 20.0), ("bold.helio", 0.01)] {
         let (plan, output) = plan(&Rungs::of(Quality::Draft).settings(), &folder.path(name));

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use heliotile_core::site::material::Class;
 use heliotile_scene::Scene;
-use heliotile_scene::site::{Part, Site};
+use heliotile_scene::site::{Part, SceneFiles};
 
 fn file(name: &str) -> PathBuf {
     Path::new(crate::ROOT).join("tests/data/cityjson").join(name)
@@ -58,7 +58,7 @@ fn a_sequence_is_read_in_the_requested_lod() {
     assert!(left_out.iter().any(|warning| warning.contains("6 left out as geometry in another level of detail")));
     assert!(left_out.iter().any(|warning| warning.contains("3 left out as coarser geometry")));
     let coarse = Part { lod: Some("1.2".into()), ..Part::plain(&file("small.city.jsonl"), None) };
-    let coarse = Scene::load_site(&Site { parts: vec![coarse], ..Site::default() }).expect("readable");
+    let coarse = Scene::load_site(&SceneFiles { parts: vec![coarse], ..SceneFiles::default() }).expect("readable");
     assert_eq!(coarse.report.faces_read, 6 + 6 + 10);
     let (roof, ground) = (share(&coarse, "RoofSurface").1, share(&coarse, "GroundSurface").1);
     assert!((roof / ground - 1.0).abs() < 1e-9 && (110.0..125.0).contains(&roof), "{roof} {ground}");

@@ -7,7 +7,7 @@ use heliotile_core::weather::time::calendar::Date;
 use heliotile_core::weather::time::sun::Location;
 use heliotile_scene::Scene;
 
-use crate::cli::{Folder, stderr, stdout};
+use crate::cli::{Folder, golden, stderr, stdout};
 
 /// Angle from true north to grid north at the western edge of UTM zone 32, at 54 N 6.2 E, degrees
 /// (PROJ by pyproj 3.7.2).
@@ -208,4 +208,67 @@ fn good_scenes_get_no_warning_about_their_place() {
         let somewhere: Option<Place> = scene.place;
         assert!(somewhere.is_none_or(|place| place.convergence_deg.abs() < 3.0), "{file}");
     }
+}
+
+/// A result is a table of points: at 54 N 6.2 E, where y lies 2.27 degrees west of true north, five
+/// receivers of `replay --positions` are built again, and four points of `pv` are given again. All
+/// sums are equal to the last digit, the azimuths are those that were asked for, and a wall with
+/// azimuth 180 looks to true south. By `--grid-north` the same table looks along the axes.
+#[test]
+fn rows_of_results_are_read_as_points() {
+    let folder = Folder::new();
+    southern(&folder);
+    let [x, y] = AT;
+    let rows = [(30.0, 180.0), (90.0, 180.0), (90.0, 93.5), (0.0, 0.0), (135.0, 271.25)];
+    let row = |(i, (tilt, azimuth)): (usize, &(f64, f64))| {
+        format!("r{i},{},{y},{},{tilt},{azimuth}\n", x + i as f64, 2.1 + 0.7 * i as f64)
+    };
+    let text: String = rows.iter().enumerate().map(row).collect();
+    folder.write("asked.csv", &format!("receiver,x,y,z,tilt_deg,azimuth_deg\n{text}"));
+    let weather = golden();
+    let build = |table: &str, archive: &str, rest: &str| {
+        let built =
+            folder.run(&format!("build meadow.obj --crs EPSG:25832 -r {table} -o {archive} --quality draft {rest}"));
+        assert_eq!(built.status.code(), Some(0), "{}", stderr(&built));
+        let table = folder.run(&format!("replay {archive} -w {} --every total --positions", weather.display()));
+        assert_eq!(table.status.code(), Some(0), "{}", stderr(&table));
+        stdout(&table)
+    };
+    let first = build("asked.csv", "first.helio", "");
+    folder.write("result.csv", &first);
+    let again = build("result.csv", "again.helio", "");
+    assert_eq!(first, again);
+    let mut reader = csv::Reader::from_reader(first.as_bytes());
+    let header = reader.headers().expect("a header").clone();
+    let place = |name: &str| header.iter().position(|column| column == name).expect(name);
+    let mut read: Vec<(String, f64, f64)> = Vec::new();
+    for record in reader.records() {
+        let record = record.expect("a row");
+        let number = |name: &str| record[place(name)].parse::<f64>().expect(name);
+        read.push((record[place("receiver")].to_owned(), number("tilt_deg"), number("azimuth_deg")));
+    }
+    read.sort_by(|a, b| a.0.cmp(&b.0));
+    for ((_, tilt, azimuth), asked) in read.iter().zip(rows) {
+        assert!((tilt - asked.0).abs() < 1e-9 && (azimuth - asked.1).abs() < 1e-9, "{tilt} {azimuth} {asked:?}");
+    }
+    let grid = build("asked.csv", "grid.helio", "--grid-north");
+    let south = grid.lines().find(|line| line.contains(",r1,")).expect("a wall").to_owned();
+    assert!(south.contains(&format!(",{:.5}", 180.0 + CONVERGENCE_DEG)), "{south}");
+    let pv = |points: &str, to: &str| {
+        let done = folder.run(&format!(
+            "pv meadow.obj --crs EPSG:25832 -w {} --points {points} -o {to} --quality draft --no-hourly",
+            weather.display()
+        ));
+        assert_eq!(done.status.code(), Some(0), "{}", stderr(&done));
+        std::fs::read_to_string(folder.path(to).join("points.csv")).expect("points.csv")
+    };
+    let lines: Vec<&str> = text.lines().take(4).collect();
+    folder.write("points.csv", &format!("point,x,y,height_m,tilt,azimuth\n{}\n", lines.join("\n")));
+    let first = pv("points.csv", "pv");
+    assert_eq!(first, pv("pv/points.csv", "pv2"));
+    assert!(first.contains(",90,93.5,"), "{first}");
+    folder.write("both.csv", "receiver,x,y,z,nx,ny,nz,tilt_deg,azimuth_deg\na,316483.8,5987150.6,2,0,-1,0,90,180\n");
+    let refused = ["both.csv, line 2", "differ by 2.27 degrees"];
+    folder.refused("build meadow.obj --crs EPSG:25832 -r both.csv -o both.helio", &refused);
+    folder.refused("replay first.helio -w south.csv --by surface --positions", &["--positions", "groups of receivers"]);
 }

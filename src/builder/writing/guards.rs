@@ -10,10 +10,10 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::text::is_address;
 
 use super::claim::same_place;
-use heliotile_scene::site::Site;
+use heliotile_scene::site::SceneFiles;
 
 /// Refuses an output that would replace a file of the scene or another input.
-pub fn guard_site(output: &Path, site: &Site, others: &[Option<&Path>]) -> Result<()> {
+pub fn guard_site(output: &Path, site: &SceneFiles, others: &[Option<&Path>]) -> Result<()> {
     let inputs: Vec<&Path> = site.files().chain(others.iter().copied().flatten()).collect();
     guard_output(output, &inputs)
 }

@@ -13,11 +13,11 @@ use heliotile_core::text::counted;
 use heliotile_scene::Scene;
 use heliotile_scene::covering::surfaces::Surfaces;
 use heliotile_scene::load::Soup;
-use heliotile_scene::site::{MissingGround, Part, Site};
+use heliotile_scene::site::{MissingGround, Part, SceneFiles};
 
 /// A model with its surroundings.
 pub struct Around {
-    pub site: Site,
+    pub site: SceneFiles,
     pub neighbours: Neighbours,
     pub materials: Vec<Material>,
     /// Object types of the model's surfaces, which receivers go on; empty if there are no
@@ -52,7 +52,7 @@ impl Around {
         let types = types.into_iter().filter(|name| !name.is_empty()).collect();
         let mut others = task.request.site(&task.request.scene)?;
         others.frame.epsg = task.request.crs.or(others.frame.epsg);
-        let alone = Site { missing_ground: MissingGround::LeaveOut, ..others.clone() };
+        let alone = SceneFiles { missing_ground: MissingGround::LeaveOut, ..others.clone() };
         let (scene, soup) = Scene::load_with_objects(&alone)?;
         let spot = match task.request.at {
             Some(origin) => Spot::at(origin.into(), convergence_deg(scene.place.as_ref())),
@@ -60,7 +60,7 @@ impl Around {
         };
         how_it_stands(spot.origin, &soup, &scene.materials).iter().for_each(|text| task.warn(text));
         let neighbours = Neighbours::of(&soup, &scene.materials, spot);
-        let mut site = Site { parts: Vec::new(), ..others };
+        let mut site = SceneFiles { parts: Vec::new(), ..others };
         // Surroundings in a coordinate reference system know true north better than the model does.
         let knows = scene.place.is_some_and(|place| place.epsg.is_some());
         let placed = |part: Part| Part {

@@ -36,7 +36,7 @@ use heliotile_results::site_build::{FolderOption, KEEP_OR_REPLACE, ReceiverSourc
 use heliotile_scene::Scene;
 use heliotile_scene::input;
 use heliotile_scene::request::SceneRequest;
-use heliotile_scene::site::Site;
+use heliotile_scene::site::SceneFiles;
 use runs::Engine;
 use stripped::Full;
 
@@ -225,7 +225,7 @@ impl EnergyplusRequest {
     }
 
     /// Returns a site of files, with the options of surfaces.
-    fn site(&self, files: &[PathBuf]) -> Result<Site> {
+    fn site(&self, files: &[PathBuf]) -> Result<SceneFiles> {
         SceneRequest { files: files.to_vec(), ..self.surfaces.clone() }.site()
     }
 }
@@ -376,7 +376,7 @@ impl Files {
     }
 
     /// Refuses to replace an input, or results of something else.
-    fn guard(&self, task: &Task, site: &Site) -> Result<()> {
+    fn guard(&self, task: &Task, site: &SceneFiles) -> Result<()> {
         let inputs: Vec<&Path> = site.files().chain(task.request.weather.as_deref()).collect();
         let more = if task.request.delete_surroundings { self.of_stripped() } else { Vec::new() };
         for output in [&self.receivers, &self.archive, &self.model].into_iter().chain(&more) {

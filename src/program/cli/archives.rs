@@ -7,9 +7,8 @@ use clap::{ArgGroup, Args, Subcommand};
 
 use super::values::{Bytes, SelectionArgs, choice, parse_memory};
 use super::{ClockArgs, FootprintArgs, MaterialsArgs, PlaceArgs, RasterArgs, SceneArgs, TableNorthArgs};
-use heliotile_atlas::VerifyRequest;
-use heliotile_core::archive::Access;
-use heliotile_results::RepairRequest;
+use heliotile::atlas::VerifyRequest;
+use heliotile::{Access, RepairRequest};
 
 #[derive(Args, Debug)]
 pub struct VerifyArgs {

@@ -3,15 +3,11 @@
 use super::console::terminal::Terminal;
 use super::{Outcome, remark, say};
 use crate::cli::{CatalogueArgs, FindArgs, PartitionArgs, quoted};
-use heliotile_atlas::catalogue::CatalogueRequest;
-use heliotile_atlas::partition::PartitionRequest;
-use heliotile_atlas::plan::{AtlasPlan, CutRequest, FILE};
-use heliotile_builder::planning::AccuracyRequest;
-use heliotile_core::error::{Error, Result};
-use heliotile_core::text::counted;
-use heliotile_remote::naming::shown;
-use heliotile_results::outputs::provenance::Provenance;
-use heliotile_results::outputs::tables;
+use heliotile::atlas::{AtlasPlan, CatalogueRequest, CutRequest, FILE, PartitionRequest};
+use heliotile::remote::shown;
+use heliotile::tables::tables;
+use heliotile::text::counted;
+use heliotile::{AccuracyRequest, Error, Provenance, Result};
 
 /// `heliotile partition`.
 pub fn partition(args: &PartitionArgs) -> Result<Outcome> {
@@ -30,7 +26,7 @@ pub fn partition(args: &PartitionArgs) -> Result<Outcome> {
         sample: args.sample,
         memory: args.memory.into(),
     };
-    let plan = heliotile_atlas::partition::partition(&request, &Terminal::default())?;
+    let plan = heliotile::atlas::partition(&request, &Terminal::default())?;
     remark(&summary(&plan, args))?;
     Ok(Outcome::Fine)
 }
@@ -58,13 +54,13 @@ fn summary(plan: &AtlasPlan, args: &PartitionArgs) -> String {
 /// `heliotile catalogue`.
 pub fn catalogue(args: &CatalogueArgs, about: Provenance) -> Result<Outcome> {
     let request = CatalogueRequest { title: args.title.clone(), license: args.license.clone() };
-    heliotile_atlas::catalogue::catalogue(&args.atlas, &request, about, &Terminal::default())?;
+    heliotile::atlas::catalogue(&args.atlas, &request, about, &Terminal::default())?;
     Ok(Outcome::Fine)
 }
 
 /// `heliotile find`: lists the parts that a box touches, one a line.
 pub fn find(args: &FindArgs) -> Result<Outcome> {
-    let found = heliotile_atlas::parts(&args.atlas, args.bbox)?;
+    let found = heliotile::atlas::parts(&args.atlas, args.bbox)?;
     if found.is_empty() {
         let what = "no part of the atlas touches the box";
         return Err(Error::input(&shown(&args.atlas), None, what, "give --bbox in the coordinates of the scene files"));

@@ -3,10 +3,9 @@
 use super::console::terminal::Terminal;
 use super::{Outcome, say};
 use crate::cli::AuditArgs;
-use heliotile_builder::spill::SystemTemp;
-use heliotile_core::error::Result;
-use heliotile_results::{Provenance, Resources, Verdict};
-use heliotile_scene::input;
+use heliotile::memory::SystemTemp;
+use heliotile::scene::input;
+use heliotile::{Provenance, Resources, Result, Verdict};
 
 /// `heliotile audit`: an error larger than the stated one is a finding (exit 1).
 pub fn run(args: &AuditArgs, about: Provenance) -> Result<Outcome> {

@@ -6,17 +6,10 @@ use std::time::Duration;
 use super::console::terminal::Terminal;
 use super::{Outcome, load_scene, say};
 use crate::cli::{BuildArgs, ClockArgs, Percent, PlanArgs};
-use heliotile_atlas::part::{PartRequest, build_parts};
-use heliotile_atlas::plan::FILE;
-use heliotile_builder::accuracy::conditions::ErrorConditions;
-use heliotile_builder::pipeline::{Output, Start};
-use heliotile_builder::planning::{EffectsUnder, tables};
-use heliotile_core::error::{Error, Result};
-use heliotile_core::observer::Observer;
-use heliotile_core::text::counted;
-use heliotile_results::SiteBuild;
-use heliotile_results::site_build::check_output;
-use heliotile_scene::Scene;
+use heliotile::atlas::{FILE, PartRequest, build_parts};
+use heliotile::text::counted;
+use heliotile::tracing::{ErrorConditions, tables};
+use heliotile::{EffectsUnder, Error, Observer, Output, Result, Scene, SiteBuild, Start, check_output};
 
 /// `heliotile build`.
 pub fn run(args: &BuildArgs) -> Result<Outcome> {

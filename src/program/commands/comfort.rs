@@ -6,13 +6,10 @@ use super::Outcome;
 use super::console::terminal::Terminal;
 use crate::cli::ComfortArgs;
 use crate::commands::console::voice::remark_aside;
-use heliotile::{Site, SiteOptions};
-use heliotile_builder::spill::SystemTemp;
-use heliotile_core::error::Result;
-use heliotile_core::observer::Observer;
-use heliotile_core::text::counted;
-use heliotile_results::{Provenance, Resources};
-use heliotile_scene::input;
+use heliotile::memory::SystemTemp;
+use heliotile::scene::input;
+use heliotile::text::counted;
+use heliotile::{Observer, Provenance, Resources, Result, Site, SiteOptions};
 
 /// `heliotile comfort`.
 pub fn run(args: &ComfortArgs, about: Provenance) -> Result<Outcome> {

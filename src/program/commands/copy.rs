@@ -5,10 +5,10 @@ use super::console::terminal::Terminal;
 use super::{Outcome, remark};
 use crate::cli::CopyArgs;
 
-use heliotile_atlas::{Atlas, copied};
-use heliotile_builder::writing::guards::guard_output;
-use heliotile_core::error::{Error, Result};
-use heliotile_remote::naming::{is_address, shown};
+use heliotile::atlas::{Atlas, copied};
+use heliotile::output::guard_output;
+use heliotile::remote::{is_address, shown};
+use heliotile::{Error, Result};
 
 /// `heliotile copy`.
 pub fn run(args: &CopyArgs) -> Result<Outcome> {
@@ -27,7 +27,7 @@ pub fn run(args: &CopyArgs) -> Result<Outcome> {
     if !is_address(&args.to) {
         guard_output(&args.to, &[])?;
     }
-    let copied = heliotile_remote::copy(&args.from, &args.to, args.replace, &Terminal::default())?;
+    let copied = heliotile::remote::copy(&args.from, &args.to, args.replace, &Terminal::default())?;
     let (to, megabytes) = (shown(&args.to), copied.bytes as f64 / 1e6);
     let to = to.display();
     match (copied.was_there, copied.beside) {

@@ -3,10 +3,9 @@
 use super::Outcome;
 use super::console::terminal::Terminal;
 use crate::cli::EnergyplusArgs;
-use heliotile_builder::spill::SystemTemp;
-use heliotile_core::error::Result;
-use heliotile_results::Resources;
-use heliotile_scene::input;
+use heliotile::memory::SystemTemp;
+use heliotile::scene::input;
+use heliotile::{Resources, Result};
 
 /// `heliotile energyplus`.
 pub fn run(args: &EnergyplusArgs) -> Result<Outcome> {

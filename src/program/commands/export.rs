@@ -4,10 +4,9 @@
 use super::Outcome;
 use super::console::terminal::Terminal;
 use crate::cli::ExportArgs;
-use heliotile_builder::spill::SystemTemp;
-use heliotile_core::error::Result;
-use heliotile_results::{Provenance, Resources};
-use heliotile_scene::input;
+use heliotile::memory::SystemTemp;
+use heliotile::scene::input;
+use heliotile::{Provenance, Resources, Result};
 
 /// `heliotile export`.
 pub fn run(args: &ExportArgs, about: Provenance) -> Result<Outcome> {

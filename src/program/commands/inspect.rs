@@ -5,22 +5,14 @@ use std::fmt::Write;
 
 use super::{Outcome, say, scene, warn, weather};
 use crate::cli::{InfoArgs, MaterialsArgs, VerifyArgs, worded_text};
-use heliotile_atlas::{Atlas, about};
-use heliotile_builder::planning::tables::in_hours;
-use heliotile_builder::writing::guards::is_archive;
-use heliotile_core::archive::accuracy::Accuracy;
-use heliotile_core::archive::format::TileNumber;
-use heliotile_core::archive::{format, tables};
-use heliotile_core::error::{Error, Result};
-use heliotile_core::replay::components::Component;
-use heliotile_core::site::bands::BandOptics;
-use heliotile_core::site::material::rounded;
-use heliotile_core::text::{counted, excerpt};
-use heliotile_core::weather::options::WeatherOptions;
-use heliotile_remote::places::open_archive;
-use heliotile_results::horizon::black_below_horizon;
-use heliotile_scene::placing::frame::SiteFrame;
-use heliotile_scene::request::SceneRequest;
+use heliotile::archive::{Accuracy, TileNumber, format, open_archive, tables};
+use heliotile::atlas::{Atlas, about};
+use heliotile::covering::black_below_horizon;
+use heliotile::materials::rounded;
+use heliotile::output::is_archive;
+use heliotile::text::{counted, excerpt};
+use heliotile::tracing::in_hours;
+use heliotile::{BandOptics, Component, Error, Result, SceneRequest, SiteFrame, WeatherOptions};
 
 /// Number of settings in the first of two lines.
 const SETTINGS_A_LINE: usize = 7;

@@ -40,12 +40,9 @@ use std::path::{Path, PathBuf};
 use crate::cli::{Bytes, Cli, Command, EverywhereArgs};
 use console::terminal::Terminal;
 use console::voice::{self, Volume, remark, say, warn};
-use heliotile_builder::pipeline::Workspace;
-use heliotile_builder::writing::copy::folder_of;
-use heliotile_core::error::{Error, Result};
-use heliotile_results::outputs::provenance::Provenance;
-use heliotile_scene::Scene;
-use heliotile_scene::request::SceneRequest;
+use heliotile::output::folder_of;
+use heliotile::tracing::Workspace;
+use heliotile::{Error, Provenance, Result, Scene, SceneRequest};
 
 pub use console::interrupt::exit_code;
 pub use console::voice::aside as complain;
@@ -66,7 +63,7 @@ pub fn run(Cli { command, everywhere }: &Cli, about: Provenance) -> Result<Outco
     console::interrupt::clean_up();
     set_up(everywhere)?;
     let outcome = run_command(command, about);
-    if let Some(traffic) = heliotile_remote::traffic().filter(|_| everywhere.verbose) {
+    if let Some(traffic) = heliotile::remote::traffic().filter(|_| everywhere.verbose) {
         voice::aside(&format!("{traffic}\n"));
     }
     outcome

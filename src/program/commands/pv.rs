@@ -3,12 +3,9 @@
 use super::console::terminal::Terminal;
 use super::{Outcome, remark, say};
 use crate::cli::{PvArgs, quoted};
-use heliotile_builder::spill::SystemTemp;
-use heliotile_core::error::Result;
-use heliotile_results::Resources;
-use heliotile_results::outputs::provenance::Provenance;
-use heliotile_results::pv::PvDone;
-use heliotile_scene::input;
+use heliotile::memory::SystemTemp;
+use heliotile::scene::input;
+use heliotile::{Provenance, PvDone, Resources, Result};
 
 /// `heliotile pv`.
 pub fn run(args: &PvArgs, about: Provenance) -> Result<Outcome> {

@@ -8,14 +8,11 @@ use super::console::terminal::Terminal;
 use super::console::voice::remark_aside;
 use super::{Outcome, remark};
 use crate::cli::ReceiversArgs;
-use heliotile_builder::trace::canopy::in_hulls;
-use heliotile_builder::trace::placement::Placement;
-use heliotile_builder::writing::guards::{guard_output, guard_site};
-use heliotile_core::error::Result;
-use heliotile_core::observer::Observer;
-use heliotile_core::text::counted;
-use heliotile_results::along::write_points;
-use heliotile_results::covering::{cover_site, summary, write};
+use heliotile::covering::{cover_site, summary, write, write_points};
+use heliotile::output::{guard_output, guard_site};
+use heliotile::text::counted;
+use heliotile::tracing::{Placement, in_hulls};
+use heliotile::{Observer, Result};
 
 /// `heliotile receivers`.
 pub fn run(args: &ReceiversArgs) -> Result<Outcome> {

@@ -3,10 +3,9 @@
 use super::console::terminal::Terminal;
 use super::{Outcome, remark};
 use crate::cli::RepairArgs;
-use heliotile_builder::spill::SystemTemp;
-use heliotile_core::error::Result;
-use heliotile_results::Resources;
-use heliotile_scene::input;
+use heliotile::memory::SystemTemp;
+use heliotile::scene::input;
+use heliotile::{Resources, Result};
 
 /// `heliotile repair`.
 pub fn run(args: &RepairArgs) -> Result<Outcome> {

@@ -8,11 +8,10 @@ use super::console::terminal::Terminal;
 use super::console::voice::remark_aside;
 use super::{Outcome, remark};
 use crate::cli::{BuildingsArgs, CompareArgs, FactorsArgs, PlacesArgs, QueryArgs, ReplayArgs, SiteArgs};
-use heliotile_builder::spill::SystemTemp;
-use heliotile_core::error::{Error, Result};
-use heliotile_core::text::counted;
-use heliotile_results::{Provenance, Resources};
-use heliotile_scene::input;
+use heliotile::memory::SystemTemp;
+use heliotile::scene::input;
+use heliotile::text::counted;
+use heliotile::{Error, Provenance, Resources, Result};
 
 /// `heliotile query`.
 pub fn query(args: &QueryArgs, about: Provenance) -> Result<Outcome> {

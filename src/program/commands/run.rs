@@ -5,11 +5,9 @@ use std::path::Path;
 use super::console::terminal::Terminal;
 use super::{Outcome, remark, say};
 use crate::cli::{RunArgs, quoted};
-use heliotile_builder::spill::SystemTemp;
-use heliotile_core::error::Result;
-use heliotile_results::outputs::provenance::Provenance;
-use heliotile_results::{Resources, RunDone};
-use heliotile_scene::input;
+use heliotile::memory::SystemTemp;
+use heliotile::scene::input;
+use heliotile::{Provenance, Resources, Result, RunDone};
 
 /// `heliotile run`.
 pub fn run(args: &RunArgs, about: Provenance) -> Result<Outcome> {

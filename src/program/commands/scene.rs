@@ -5,16 +5,12 @@ use std::fmt::Write;
 
 use super::console::terminal::Terminal;
 use super::{Outcome, say, warn};
-use heliotile_core::error::Result;
-use heliotile_core::text::counted;
-use heliotile_results::covering::doubts;
-use heliotile_scene::Scene;
-use heliotile_scene::covering::surfaces::Surfaces;
-use heliotile_scene::semantics::SurfaceKind;
-use heliotile_scene::site::Site;
+use heliotile::covering::{SurfaceKind, Surfaces, doubts};
+use heliotile::text::counted;
+use heliotile::{Result, Scene, SceneFiles};
 
 /// `heliotile info` of scene files.
-pub fn info(site: &Site) -> Result<Outcome> {
+pub fn info(site: &SceneFiles) -> Result<Outcome> {
     let (scene, soup) = Scene::load_with_objects(site)?;
     scene.report.tell(&Terminal::default());
     let surfaces = Surfaces::find(&soup, &scene.materials);

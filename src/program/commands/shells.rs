@@ -6,9 +6,9 @@ use clap_mangen::Man;
 
 use super::{Outcome, remark, say};
 use crate::cli::{Cli, CompletionsArgs, ManArgs};
-use heliotile_core::error::{Error, Result};
-use heliotile_core::text::counted;
-use heliotile_results::outputs::sink::write_texts;
+use heliotile::output::write_texts;
+use heliotile::text::counted;
+use heliotile::{Error, Result};
 
 /// `heliotile completions`.
 pub fn completions(args: &CompletionsArgs) -> Result<Outcome> {

@@ -2,10 +2,9 @@
 
 use super::{Outcome, say};
 use crate::cli::{StoreArgs, StoreCommand, worded_text};
-use heliotile_builder::store::{Folder, Store};
-use heliotile_core::archive::{self, Access, Archive};
-use heliotile_core::error::Result;
-use heliotile_core::text::counted;
+use heliotile::archive::{Archive, Folder, Store};
+use heliotile::text::counted;
+use heliotile::{Access, Result, archive};
 
 /// `heliotile store`.
 pub fn run(args: &StoreArgs) -> Result<Outcome> {

@@ -7,8 +7,7 @@ use super::replay::with_resources;
 use super::{Outcome, say};
 use crate::cli::{GlareArgs, RulesArgs, SunlightArgs, TableArgs};
 use crate::commands::console::voice::remark_aside;
-use heliotile_core::error::{Error, Result};
-use heliotile_results::{FileRequest, Provenance, SunlightRequest, shipped_rules};
+use heliotile::{Error, FileRequest, Provenance, Result, SunlightRequest, shipped_rules};
 
 /// `heliotile sunlight`.
 pub fn run(args: &SunlightArgs, about: Provenance) -> Result<Outcome> {

@@ -3,10 +3,9 @@
 use super::console::terminal::Terminal;
 use super::{Outcome, say};
 use crate::cli::TradeoffArgs;
-use heliotile_builder::spill::SystemTemp;
-use heliotile_core::error::Result;
-use heliotile_results::{Provenance, Resources};
-use heliotile_scene::input;
+use heliotile::memory::SystemTemp;
+use heliotile::scene::input;
+use heliotile::{Provenance, Resources, Result};
 
 /// `heliotile tradeoff`.
 pub fn run(args: &TradeoffArgs, about: Provenance) -> Result<Outcome> {

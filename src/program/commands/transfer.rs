@@ -4,13 +4,11 @@
 use super::console::terminal::Terminal;
 use super::{Outcome, remark, say, workspace, workspace_beside};
 use crate::cli::{DiffArgs, ExtractArgs, MergeArgs};
-use heliotile_atlas::sources::holding;
-use heliotile_builder::transfer::{self, Assembled};
-use heliotile_builder::writing::guards::{guard_archive, guard_output};
-use heliotile_core::archive::format;
-use heliotile_core::error::{Error, Result};
-use heliotile_core::text::counted;
-use heliotile_remote::places::open_archive;
+use heliotile::archive::{Assembled, format, open_archive, transfer};
+use heliotile::atlas::holding;
+use heliotile::output::{guard_archive, guard_output};
+use heliotile::text::counted;
+use heliotile::{Error, Result};
 
 /// `heliotile merge`.
 pub fn merge(args: &MergeArgs) -> Result<Outcome> {

@@ -6,11 +6,10 @@ use std::path::Path;
 
 use super::{Outcome, say, warn};
 use crate::cli::ClockArgs;
-use heliotile_core::error::Result;
-use heliotile_core::text::counted;
-use heliotile_core::weather::monthly::WeatherSums;
-use heliotile_core::weather::options::WeatherOptions;
-use heliotile_scene::input::weather::read_weather_as;
+use heliotile::scene::read_weather_as;
+use heliotile::text::counted;
+use heliotile::weather::WeatherSums;
+use heliotile::{Result, WeatherOptions};
 
 /// `heliotile info --weather`. `place` is a latitude and a longitude in place of those of the file.
 pub fn info(path: &Path, clock: &ClockArgs, place: Option<(f64, f64)>) -> Result<Outcome> {

@@ -18,16 +18,13 @@ use crate::studies::{request, resources};
 use crate::table::columns_of;
 use crate::work;
 
-use heliotile::{FileRequest, ReceiverChoice, Site, SiteOptions, SiteReplay};
-use heliotile_atlas::opened::check_square;
-use heliotile_builder::transfer::{Bounds, Selection};
-use heliotile_core::archive::{Access, Archive, format};
-use heliotile_core::error::{Error, Result};
-use heliotile_core::named::by_name;
-use heliotile_core::replay::factors::FACTORS;
-use heliotile_results::outputs::tables::rows::{Cell, Records};
-use heliotile_results::{
-    BuildingsRequest, ComfortChoice, CompareRequest, FactorRows, PartReceivers, PlacesRequest, SunlightRequest,
+use heliotile::archive::{Archive, format};
+use heliotile::atlas::check_square;
+use heliotile::names::by_name;
+use heliotile::tables::{Cell, Records};
+use heliotile::{
+    Access, Bounds, BuildingsRequest, ComfortChoice, CompareRequest, Error, FACTORS, FactorRows, FileRequest,
+    PartReceivers, PlacesRequest, ReceiverChoice, Result, Selection, Site, SiteOptions, SiteReplay, SunlightRequest,
 };
 
 /// An open archive, or open parts of an atlas, with the choice of which way is north. Several
@@ -215,7 +212,7 @@ impl ArchiveHandle {
     /// Returns name, diffuse and specular reflectance, transmittance, group and class of each
     /// material.
     fn materials(&self, py: Python<'_>) -> PyResult<Vec<MaterialRow>> {
-        let row = |m: &heliotile_core::site::material::Material| {
+        let row = |m: &heliotile::Material| {
             let class = format!("{:?}", m.class).to_lowercase();
             (m.name.clone(), m.diffuse, m.specular, m.transmittance, m.group.clone(), class)
         };

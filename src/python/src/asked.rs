@@ -10,26 +10,14 @@ use pyo3::pybacked::PyBackedBytes;
 use serde_json::{Map, Value};
 
 use crate::errors::wrong;
-use heliotile::Site;
-use heliotile_builder::spill::{SystemTemp, check_memory};
-use heliotile_core::error::{Error, Result};
-use heliotile_core::light::paths::LightPaths;
-use heliotile_core::light::radiosity::MaxBounces;
-use heliotile_core::memory::MemoryBudget;
-use heliotile_core::named::by_name;
-use heliotile_core::observer::Observer;
-use heliotile_core::replay::components::ComponentList;
-use heliotile_core::replay::reflectances::{Changes, ConstantOrFile};
-use heliotile_core::units::Bytes;
-use heliotile_core::weather::options::WeatherOptions;
-use heliotile_core::weather::span::Moment;
-use heliotile_core::weather::temperatures::Temperature;
-use heliotile_core::weather::time::clock_zone::ClockZone;
-use heliotile_results::{
-    BandChoice, BandList, ComfortChoice, ComfortRequest, Illumination, LightChoice, Provenance, QueryRequest,
-    ReplayRequest, Resources, SkyChoice, SkyFiles,
+use heliotile::memory::{SystemTemp, check_memory};
+use heliotile::names::by_name;
+use heliotile::scene::input;
+use heliotile::{
+    BandChoice, BandList, Bytes, Changes, ClockZone, ComfortChoice, ComfortRequest, ComponentList, ConstantOrFile,
+    Error, Illumination, LightChoice, LightPaths, MaxBounces, MemoryBudget, Moment, Observer, Provenance, QueryRequest,
+    ReplayRequest, Resources, Result, Site, SkyChoice, SkyFiles, Temperature, WeatherOptions,
 };
-use heliotile_scene::input;
 
 /// Memory to work in, at most that of the machine.
 #[derive(Clone, Copy)]

@@ -8,9 +8,8 @@ use pyo3::prelude::*;
 use crate::archive::bounds_of;
 use crate::asked::Memory;
 use crate::work;
-use heliotile_atlas::part::{PartRequest, build_parts};
-use heliotile_atlas::parts;
-use heliotile_core::error::Error;
+use heliotile::Error;
+use heliotile::atlas::{PartRequest, build_parts, parts};
 
 /// Name, low and high corner of the square, state, archive, and reach beyond the square in metres.
 type PartRow = (String, (f64, f64), (f64, f64), &'static str, Option<String>, f64);
@@ -21,7 +20,7 @@ type PartRow = (String, (f64, f64), (f64, f64), &'static str, Option<String>, f6
 #[pyo3(signature = (atlas, bbox=None))]
 pub fn atlas_parts(py: Python<'_>, atlas: PathBuf, bbox: Option<Vec<f64>>) -> PyResult<Vec<PartRow>> {
     let listed = work::run(py, None, |_| parts(&atlas, bbox.map(bounds_of).transpose()?))?;
-    let row = |part: &heliotile_atlas::ListedPart| {
+    let row = |part: &heliotile::atlas::ListedPart| {
         let archive = part.archive().map(|path| path.to_string_lossy().into_owned());
         (part.name.clone(), part.low.into(), part.high.into(), part.state.word(), archive, part.reach_m)
     };
@@ -60,7 +59,7 @@ const MAX_THREADS: usize = 1024;
 /// Returns the name of a place for messages: an address without password and signature.
 #[pyfunction]
 pub fn shown(place: &str) -> String {
-    heliotile_remote::naming::shown(Path::new(place)).to_string_lossy().into_owned()
+    heliotile::remote::shown(Path::new(place)).to_string_lossy().into_owned()
 }
 
 /// Runs the program with these arguments, the program's name first. Returns its exit code.

@@ -11,10 +11,9 @@ use crate::asked::Memory;
 use crate::errors::worded_text;
 use crate::studies::{about, request, resources};
 use crate::work;
-use heliotile_atlas::{ExportRequest, VerifyRequest};
-use heliotile_core::archive::{Access, Problem};
-use heliotile_core::error::{Error, Result};
-use heliotile_results::{AuditRequest, PageRequest, RepairRequest, TradeoffRequest, UpdateRequest};
+use heliotile::archive::Problem;
+use heliotile::atlas::{ExportRequest, VerifyRequest};
+use heliotile::{Access, AuditRequest, Error, PageRequest, RepairRequest, Result, TradeoffRequest, UpdateRequest};
 
 /// Block, offset in bytes and reason of a problem.
 type ProblemRow = (String, u64, String);

@@ -3,8 +3,8 @@
 
 use pyo3::prelude::*;
 
-use heliotile_core::error::Error;
-use heliotile_core::text::{Named, with_fields};
+use heliotile::Error;
+use heliotile::text::{Named, with_fields};
 use heliotile_program::{command_of, option_of};
 
 /// Returns the exception of an error.

@@ -12,13 +12,8 @@ use self_cell::self_cell;
 use crate::memory::Block;
 use crate::results::{Frame, FrameHandle, no_column};
 use crate::work;
-use heliotile::{Site, SiteReplay};
-use heliotile_core::archive::format;
-use heliotile_core::error::{Error, Result};
-use heliotile_core::observer::Observer;
-use heliotile_core::opened::OpenSite;
-use heliotile_core::replay::components::ComponentSet;
-use heliotile_core::replay::run::Replay;
+use heliotile::archive::{OpenSite, Replay, format};
+use heliotile::{ComponentSet, Error, Observer, Result, Site, SiteReplay};
 
 self_cell!(
     /// A replay with the archive that it reads.

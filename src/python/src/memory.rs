@@ -2,7 +2,7 @@
 //! array and Arrow as a column, without copying.
 
 use arrow_buffer::{ArrowNativeType, Buffer};
-use heliotile_core::error::{Error, Result};
+use heliotile::{Error, Result};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 

@@ -15,10 +15,11 @@ use pyo3::types::PyCapsule;
 use crate::errors::raised;
 use crate::memory::Block;
 use crate::work;
-use heliotile::SiteReplay;
-use heliotile_core::error::{Error, Result};
-use heliotile_core::replay::components::{Component, ComponentList, ComponentSet};
-use heliotile_results::{ArrowRows, BinLabels, By, Layout, ONE_SIDE, Provenance, SideHours, Tile, TileSink};
+use heliotile::tables::{ArrowRows, Layout, ONE_SIDE};
+use heliotile::{
+    BinLabels, By, Component, ComponentList, ComponentSet, Error, Provenance, Result, SideHours, SiteReplay, Tile,
+    TileSink,
+};
 
 /// Smallest number of rows of a record batch, but for the last.
 const BATCH_ROWS: usize = 1 << 20;

@@ -13,29 +13,21 @@ use crate::asked::Memory;
 use crate::errors::{raised, worded_text, wrong};
 use crate::studies::request;
 use crate::work;
-use heliotile_builder::pipeline::{Output, Start};
-use heliotile_builder::planning::AccuracyRequest;
-use heliotile_builder::settings::{EffectChoice, Quality};
-use heliotile_builder::trace::placement::Placement;
-use heliotile_builder::writing::guards::guard_site;
-use heliotile_core::error::Result;
-use heliotile_core::named::by_name;
-use heliotile_core::observer::Observer;
-use heliotile_results::SiteBuild;
-use heliotile_results::covering::{CoverRequest, Density, check_name, cover_scene, save, summary};
-use heliotile_results::site_build::check_output;
-use heliotile_scene::footprint_options::{FootprintOptions, HeightAbove, HeightSource};
-use heliotile_scene::placing::frame::{SiteFrame, UpAxis};
-use heliotile_scene::points::receivers::ReceiverCsv;
-use heliotile_scene::request::SceneRequest;
-use heliotile_scene::site::Site;
-use heliotile_scene::{Scene, SurfaceRasters};
+use heliotile::covering::{check_name, cover_scene, save, summary};
+use heliotile::names::by_name;
+use heliotile::output::guard_site;
+use heliotile::tracing::Placement;
+use heliotile::{
+    AccuracyRequest, CoverRequest, Density, EffectChoice, FootprintOptions, HeightAbove, HeightSource, Observer,
+    Output, Quality, ReceiverCsv, Result, Scene, SceneFiles, SceneRequest, SiteBuild, SiteFrame, Start, SurfaceRasters,
+    UpAxis, check_output,
+};
 
 /// A scene that was read from files.
 #[pyclass(frozen, module = "heliotile._heliotile")]
 pub struct SceneHandle {
     scene: Arc<Scene>,
-    site: Site,
+    site: SceneFiles,
 }
 
 /// Files of a scene, and options of how to read them.

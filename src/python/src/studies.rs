@@ -10,21 +10,16 @@ use serde_json::{Map, Value};
 
 use crate::asked::Memory;
 use crate::work;
-use heliotile_atlas::catalogue::CatalogueRequest;
-use heliotile_atlas::partition::PartitionRequest;
-use heliotile_builder::pipeline::Workspace;
-use heliotile_builder::spill::SystemTemp;
-use heliotile_builder::transfer;
-use heliotile_builder::writing::guards::{guard_archive, guard_output};
-use heliotile_core::archive::Access;
-use heliotile_core::error::{Error, Result};
-use heliotile_core::observer::Observer;
-use heliotile_core::weather::options::WeatherOptions;
-use heliotile_energyplus::EnergyplusRequest;
-use heliotile_remote::places::open_archive;
-use heliotile_results::pv::PvRequest;
-use heliotile_results::{ComfortRequest, ComfortSiteRequest, Provenance, ReplayRequest, Resources, RunRequest};
-use heliotile_scene::input;
+use heliotile::archive::{open_archive, transfer};
+use heliotile::atlas::{CatalogueRequest, PartitionRequest};
+use heliotile::memory::SystemTemp;
+use heliotile::output::{guard_archive, guard_output};
+use heliotile::scene::input;
+use heliotile::tracing::Workspace;
+use heliotile::{
+    Access, ComfortRequest, ComfortSiteRequest, EnergyplusRequest, Error, Observer, Provenance, PvRequest,
+    ReplayRequest, Resources, Result, RunRequest, WeatherOptions,
+};
 
 /// Folder, archive, names of files, and a table as text.
 type Study = (PathBuf, PathBuf, Vec<String>, String);
@@ -112,8 +107,7 @@ pub fn partition(
 ) -> PyResult<(usize, Option<String>)> {
     work::run(py, progress.as_ref(), |watch| {
         let (cut, memory) = (request(text)?, memory.0);
-        let plan =
-            heliotile_atlas::partition::partition(&PartitionRequest { cut, atlas, replace, sample, memory }, watch)?;
+        let plan = heliotile::atlas::partition(&PartitionRequest { cut, atlas, replace, sample, memory }, watch)?;
         Ok((plan.parts.len(), plan.seams.map(|seams| seams.words())))
     })
 }
@@ -123,7 +117,7 @@ pub fn partition(
 pub fn catalogue(py: Python<'_>, atlas: PathBuf, title: Option<String>, license: String) -> PyResult<()> {
     work::run(py, None, |watch| {
         let about = Provenance::new("heliotile.Atlas.catalogue".to_owned(), Map::new());
-        heliotile_atlas::catalogue::catalogue(&atlas, &CatalogueRequest { title, license }, about, watch)
+        heliotile::atlas::catalogue(&atlas, &CatalogueRequest { title, license }, about, watch)
     })
 }
 
@@ -160,7 +154,7 @@ pub fn diff(py: Python<'_>, archives: [PathBuf; 2], memory: Memory) -> PyResult<
 pub fn workspace_of(output: &Path, memory: Memory) -> Workspace {
     let folder = match output == Path::new("-") {
         true => std::env::temp_dir(),
-        false => heliotile_builder::writing::copy::folder_of(output).to_path_buf(),
+        false => heliotile::output::folder_of(output).to_path_buf(),
     };
     Workspace { folder, memory: memory.0 }
 }

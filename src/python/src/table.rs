@@ -1,9 +1,8 @@
 //! The table of receivers. In: receivers of archives. Out: a column for each of their properties.
 
 use crate::memory::{Block, Texts};
-use heliotile_builder::transfer::LayeredReceiver;
-use heliotile_core::error::Result;
-use heliotile_core::site::receiver::Receiver;
+use heliotile::archive::LayeredReceiver;
+use heliotile::{Receiver, Result};
 
 /// Shares of a receiver's hemisphere: sky, ground, obstruction.
 type Views = [f32; 3];

@@ -10,8 +10,7 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
 use crate::errors::{raised, worded_text};
-use heliotile_core::error::Result;
-use heliotile_core::observer::Observer;
+use heliotile::{Observer, Result};
 
 /// Interval at which signals and progress are checked.
 const LOOK_EVERY: Duration = Duration::from_millis(50);

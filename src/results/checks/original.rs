@@ -9,12 +9,12 @@ use heliotile_core::observer::Observer;
 use heliotile_scene::Scene;
 use heliotile_scene::placing::frame::SiteFrame;
 use heliotile_scene::request::SceneRequest;
-use heliotile_scene::site::{MissingGround, Site};
+use heliotile_scene::site::{MissingGround, SceneFiles};
 
 /// Returns the site of the scene's files. Its place is stated by the archive, so options must not
 /// state one.
-pub(super) fn site_of(archive: &Path, scene: &SceneRequest) -> Result<Site> {
-    let stated = SiteFrame { elevation_m: None, scale: None, up: None, ..scene.frame };
+pub(super) fn site_of(archive: &Path, scene: &SceneRequest) -> Result<SceneFiles> {
+    let stated = SiteFrame { elevation_m: None, scale: None, up: None, grid_north: false, ..scene.frame };
     if stated != SiteFrame::default() {
         let hint = "leave {crs}, {latitude}, {longitude} and {rotate_deg} out";
         return Err(Error::input(archive, None, "keeps the place that was stated when it was built", hint));
@@ -26,14 +26,14 @@ pub(super) fn site_of(archive: &Path, scene: &SceneRequest) -> Result<Site> {
 }
 
 /// Loads the scene of an archive from its files; refuses another scene.
-pub(super) fn scene_of(archive: &Archive, site: &Site, first: &Path, observer: &dyn Observer) -> Result<Scene> {
+pub(super) fn scene_of(archive: &Archive, site: &SceneFiles, first: &Path, observer: &dyn Observer) -> Result<Scene> {
     let expected = &archive.manifest().scene.content_hash;
     let hash = |scene: &Scene| format::hex(&scene.content_hash());
     let mut scene = load(site, observer)?;
     if hash(&scene) != *expected {
         // The archive may have been built without assumed ground, or by a release that assumed
         // none.
-        let plain = Site { missing_ground: MissingGround::LeaveOut, ..site.clone() };
+        let plain = SceneFiles { missing_ground: MissingGround::LeaveOut, ..site.clone() };
         scene = Some(Scene::load_site(&plain)?).filter(|plain| hash(plain) == *expected).unwrap_or(scene);
     }
     let found = hash(&scene);
@@ -50,7 +50,7 @@ pub(super) fn scene_of(archive: &Archive, site: &Site, first: &Path, observer: &
 }
 
 /// Loads the scene without its note on the direction of north, which the archive states.
-fn load(site: &Site, observer: &dyn Observer) -> Result<Scene> {
+fn load(site: &SceneFiles, observer: &dyn Observer) -> Result<Scene> {
     let mut scene = Scene::load_site(site)?;
     let north = scene.place.and_then(|place| place.note());
     scene.report.notes.retain(|note| Some(note) != north.as_ref());

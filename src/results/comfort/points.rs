@@ -31,7 +31,7 @@ use heliotile_scene::load::Soup;
 use heliotile_scene::points::places::{PointDefaults, read_points};
 use heliotile_scene::region_part::RegionPart;
 use heliotile_scene::request::SceneRequest;
-use heliotile_scene::site::Site;
+use heliotile_scene::site::SceneFiles;
 
 /// Value of the column `kind` for receivers of people.
 const PERSON: &str = "person";
@@ -86,7 +86,7 @@ struct LoadedScene {
 }
 
 impl LoadedScene {
-    fn of(site: &Site, observer: &dyn Observer) -> Result<Self> {
+    fn of(site: &SceneFiles, observer: &dyn Observer) -> Result<Self> {
         let (scene, soup) = Scene::load_with_objects(site)?;
         scene.report.tell(observer);
         Ok(LoadedScene { scene, soup, within: site.within })

@@ -13,7 +13,7 @@ use heliotile_builder::writing::guards::{guard_archive, guard_site};
 use heliotile_core::archive::Archive;
 use heliotile_core::error::Result;
 use heliotile_core::weather::series::Weather;
-use heliotile_scene::site::Site;
+use heliotile_scene::site::SceneFiles;
 
 /// Files of the folder.
 pub struct PvFolder {
@@ -80,7 +80,7 @@ impl PvFolder {
     }
 
     /// Refuses to replace an input, a folder or a device.
-    pub fn guard(&self, site: &Site, request: &PvRequest) -> Result<()> {
+    pub fn guard(&self, site: &SceneFiles, request: &PvRequest) -> Result<()> {
         let inputs = [
             Some(request.weather.as_path()),
             request.points.as_deref(),

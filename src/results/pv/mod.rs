@@ -40,7 +40,7 @@ use heliotile_scene::load::Soup;
 use heliotile_scene::points::places::{PlacePoint, PointDefaults, read_points};
 use heliotile_scene::pv::rows::{RowsOfModules, read_rows};
 use heliotile_scene::request::SceneRequest;
-use heliotile_scene::site::Site;
+use heliotile_scene::site::SceneFiles;
 use light::Light;
 use modules::{GEOMETRY, LaidRows, MATERIALS};
 use results::Results;
@@ -291,7 +291,7 @@ impl PvRequest {
 }
 
 /// Loads the scene; its objects are loaded only for rows, which may name surfaces.
-fn load(site: &Site, wanted: &Wanted, observer: &dyn Observer) -> Result<(Scene, Soup)> {
+fn load(site: &SceneFiles, wanted: &Wanted, observer: &dyn Observer) -> Result<(Scene, Soup)> {
     let loaded = match wanted {
         Wanted::Points(_) => (Scene::load_site(site)?, Soup::default()),
         Wanted::Rows(_) => Scene::load_with_objects(site)?,

@@ -16,7 +16,7 @@ use heliotile_core::text::counted;
 use heliotile_scene::covering::surfaces::Surfaces;
 use heliotile_scene::pv::layout::{Laid, Module, Outline, lay};
 use heliotile_scene::pv::rows::{RowsGround, RowsOfModules, surface_named};
-use heliotile_scene::site::{Part, Site};
+use heliotile_scene::site::{Part, SceneFiles};
 
 /// Names of the files of modules.
 pub const GEOMETRY: &str = "modules.obj";
@@ -116,7 +116,7 @@ impl LaidRows {
     }
 
     /// Writes the modules into a folder and adds them to a site.
-    pub fn add_to(&self, site: &mut Site, folder: &Path) -> Result<()> {
+    pub fn add_to(&self, site: &mut SceneFiles, folder: &Path) -> Result<()> {
         let (geometry, materials) = self.texts();
         write_texts(folder, &[(GEOMETRY, geometry), (MATERIALS, materials)])?;
         let (geometry, materials): (PathBuf, PathBuf) = (folder.join(GEOMETRY), folder.join(MATERIALS));

@@ -16,7 +16,7 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::named::name_of;
 use heliotile_core::observer::Observer;
 use heliotile_core::weather::series::Weather;
-use heliotile_scene::site::Site;
+use heliotile_scene::site::SceneFiles;
 
 /// Files of the folder.
 pub struct RunFiles {
@@ -39,7 +39,7 @@ pub struct RunFiles {
 
 impl RunFiles {
     /// Returns the files of a request, named after the scene and the weather.
-    pub fn of(request: &RunRequest, site: &Site) -> RunFiles {
+    pub fn of(request: &RunRequest, site: &SceneFiles) -> RunFiles {
         let folder = request.folder.clone().unwrap_or_else(|| folder_beside(request.scene.first(), "sun"));
         let results = folder.join(weather_name(&request.weather));
         RunFiles {
@@ -101,7 +101,7 @@ impl RunFiles {
     }
 
     /// Refuses to replace an input, a folder or a device.
-    pub fn guard(&self, site: &Site, request: &RunRequest) -> Result<()> {
+    pub fn guard(&self, site: &SceneFiles, request: &RunRequest) -> Result<()> {
         let mut outputs = self.written_and_beside(request);
         outputs.push(self.archive.clone());
         let weather = [Some(request.weather.as_path()), request.accuracy.error_weather.as_deref()];

@@ -11,7 +11,7 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::named::NamedValues;
 use heliotile_core::site::place::Place;
 use heliotile_scene::input;
-use heliotile_scene::site::Site;
+use heliotile_scene::site::SceneFiles;
 
 /// Map in addition to `annual.ply`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,7 +51,7 @@ pub fn formats(maps: &[RunMap]) -> impl Iterator<Item = MapFormat> {
 }
 
 /// Returns the city model of a scene that sums can be written into.
-pub fn city_model_of(site: &Site) -> Result<&Path> {
+pub fn city_model_of(site: &SceneFiles) -> Result<&Path> {
     let refuse = |what: &str, hint: &str| Err(Error::argument("map", what, hint));
     match city_models(site).as_slice() {
         [only] => {
@@ -74,12 +74,12 @@ pub fn city_model_of(site: &Site) -> Result<&Path> {
 const CITY_JSON: &[u8] = b"\"CityJSON";
 
 /// Returns the files that may be city models, by their names.
-fn city_models(site: &Site) -> Vec<&Path> {
+fn city_models(site: &SceneFiles) -> Vec<&Path> {
     let files = site.parts.iter().map(|part| part.file.as_path());
     files.filter(|file| ["json", "jsonl", "cityjson", "cityjsonl"].contains(&input::ending(file).as_str())).collect()
 }
 
 /// Returns true if the city model of a scene is a sequence of features.
-pub fn is_sequence(site: &Site) -> bool {
+pub fn is_sequence(site: &SceneFiles) -> bool {
     city_models(site).first().is_some_and(|file| ["jsonl", "cityjsonl"].contains(&input::ending(file).as_str()))
 }

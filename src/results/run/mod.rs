@@ -36,7 +36,7 @@ use heliotile_scene::Scene;
 use heliotile_scene::input;
 use heliotile_scene::input::weather::read_weather_as;
 use heliotile_scene::request::SceneRequest;
-use heliotile_scene::site::Site;
+use heliotile_scene::site::SceneFiles;
 use results::RunResults;
 
 pub use maps::RunMap;
@@ -166,7 +166,7 @@ impl RunRequest {
 
     /// Builds or opens the archive of the scene, and reads the weather. The scene is dropped
     /// afterwards, which frees its memory.
-    fn archive(&self, site: &Site, files: &RunFiles, resources: &Resources) -> Result<(Archive, Weather)> {
+    fn archive(&self, site: &SceneFiles, files: &RunFiles, resources: &Resources) -> Result<(Archive, Weather)> {
         let observer = resources.observer;
         let load = || match self.receivers {
             Some(_) => {

@@ -35,7 +35,7 @@ use heliotile_scene::load::Soup;
 use heliotile_scene::materials::materials_of;
 use heliotile_scene::placing::plausible::far_objects;
 use heliotile_scene::request::SceneRequest;
-use heliotile_scene::site::Site;
+use heliotile_scene::site::SceneFiles;
 use receivers::{SceneStates, UpdatedReceivers, cover, usual_spacing};
 
 /// Request for an update.
@@ -105,7 +105,7 @@ impl UpdateRequest {
             let hint = "give an edit with it, or with {remove}, {move}, {height} or {material}";
             return Err(Error::argument("add", "no edit is given", hint));
         }
-        let added = if self.add.files.is_empty() { Site::default() } else { self.added_site()? };
+        let added = if self.add.files.is_empty() { SceneFiles::default() } else { self.added_site()? };
         self.cover.check()?;
         check_preview(self.preview_percent)?;
         check_archive_name(&self.output)?;
@@ -162,7 +162,7 @@ impl UpdateRequest {
     }
 
     /// Returns the files that are added; no ground is assumed below them.
-    fn added_site(&self) -> Result<Site> {
+    fn added_site(&self) -> Result<SceneFiles> {
         SceneRequest { no_ground: true, ..self.add.clone() }.site()
     }
 
@@ -172,7 +172,7 @@ impl UpdateRequest {
         edited: &mut EditedScene,
         held: &TracedScene,
         before: &Archive,
-        added: &Site,
+        added: &SceneFiles,
         resources: &Resources,
     ) -> Result<Soup> {
         if self.add.files.is_empty() {

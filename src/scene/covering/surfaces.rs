@@ -320,14 +320,14 @@ fn planes(facets: &[Facet], triangles: &[[DVec3; 3]]) -> Vec<Vec<usize>> {
 mod tests {
     use super::*;
     use crate::Scene;
-    use crate::site::{Part, Site};
+    use crate::site::{Part, SceneFiles};
     use heliotile_core::site::material::Glass;
 
     fn find(obj: &str) -> Surfaces {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("town.obj");
         std::fs::write(&path, obj).expect("written");
-        let site = Site { parts: vec![Part::plain(&path, None)], ..Site::default() };
+        let site = SceneFiles { parts: vec![Part::plain(&path, None)], ..SceneFiles::default() };
         let (scene, soup) = Scene::load_with_objects(&site).expect("a scene");
         Surfaces::find(&soup, &scene.materials)
     }

@@ -9,7 +9,7 @@ use glam::DVec3;
 use crate::Scene;
 use crate::covering::surfaces::Surfaces;
 use crate::semantics::SurfaceKind;
-use crate::site::{Part, Site};
+use crate::site::{Part, SceneFiles};
 use heliotile_core::hemisphere::{mix, unit};
 
 /// A face of a solid: outline, holes and semantics.
@@ -225,7 +225,7 @@ fn areas(name: &str, text: &str) -> (BTreeMap<String, Areas>, Vec<String>) {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join(name);
     std::fs::write(&path, text).expect("written");
-    let site = Site { parts: vec![Part::plain(&path, None)], ..Site::default() };
+    let site = SceneFiles { parts: vec![Part::plain(&path, None)], ..SceneFiles::default() };
     let (scene, soup) = Scene::load_with_objects(&site).expect("a scene");
     let surfaces = Surfaces::find(&soup, &scene.materials);
     let mut found: BTreeMap<String, Areas> = BTreeMap::new();
@@ -326,7 +326,7 @@ fn a_house_is_turned_outwards_and_a_street_is_not() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("street.obj");
     std::fs::write(&path, text).expect("written");
-    let site = Site { parts: vec![Part::plain(&path, None)], ..Site::default() };
+    let site = SceneFiles { parts: vec![Part::plain(&path, None)], ..SceneFiles::default() };
     let (scene, soup) = Scene::load_with_objects(&site).expect("a scene");
     let found = Surfaces::find(&soup, &scene.materials);
     let to_street = |x: f64, normal: f64| if x < 4.0 { normal > 0.99 } else { normal < -0.99 };
@@ -416,7 +416,7 @@ fn flat_outlines_are_no_roofs() {
     std::fs::write(&path, model(outline, "")).expect("written");
     let load = |lod: Option<&str>| {
         let part = Part { lod: lod.map(str::to_owned), ..Part::plain(&path, None) };
-        Scene::load_site(&Site { parts: vec![part], ..Site::default() })
+        Scene::load_site(&SceneFiles { parts: vec![part], ..SceneFiles::default() })
     };
     assert_eq!(load(Some("0")).expect("asked for").mesh.triangles.len(), 2);
     let message = load(None).expect_err("no walls").to_string();
@@ -449,7 +449,7 @@ fn a_house_with_other_diagonals_counts_once() {
     let areas = |text: &str| {
         let file = folder.path().join("house.obj");
         std::fs::write(&file, text).expect("written");
-        let site = Site { parts: vec![Part::plain(&file, None)], ..Site::default() };
+        let site = SceneFiles { parts: vec![Part::plain(&file, None)], ..SceneFiles::default() };
         let (scene, soup) = Scene::load_with_objects(&site).expect("a scene");
         let surfaces = Surfaces::find(&soup, &scene.materials);
         let of = |kind: SurfaceKind| -> f64 {

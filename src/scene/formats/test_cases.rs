@@ -6,12 +6,12 @@ use crate::Scene;
 use crate::covering::surfaces::Surfaces;
 use crate::load::Soup;
 use crate::semantics::SurfaceKind;
-use crate::site::{Part, Site};
+use crate::site::{Part, SceneFiles};
 
 /// Reads a file of `tests/data`.
 pub fn load(name: &str) -> Result<(Scene, Soup), String> {
     let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data")).join(name);
-    let site = Site { parts: vec![Part::plain(&path, None)], ..Site::default() };
+    let site = SceneFiles { parts: vec![Part::plain(&path, None)], ..SceneFiles::default() };
     Scene::load_with_objects(&site).map_err(|error| error.to_string())
 }
 

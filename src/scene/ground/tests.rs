@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::Scene;
-use crate::site::{MissingGround, Part, Site};
+use crate::site::{MissingGround, Part, SceneFiles};
 
 /// A box of 4 x 6 x 3 m at 2 m, and below it a floor of the material `ground`.
 const BOX: &str = "v 0 0 2\nv 4 0 2\nv 4 6 2\nv 0 6 2\nv 0 0 5\nv 4 0 5\nv 4 6 5\nv 0 6 5\nusemtl roof\nf 5 6 7 8\nusemtl wall\n\
@@ -29,7 +29,8 @@ impl Folder {
 
 fn load(files: &[&Path], materials: Option<&Path>) -> Scene {
     let parts = files.iter().map(|file| Part::plain(file, materials)).collect();
-    Scene::load_site(&Site { parts, missing_ground: MissingGround::Assume, ..Site::default() }).expect("a scene")
+    Scene::load_site(&SceneFiles { parts, missing_ground: MissingGround::Assume, ..SceneFiles::default() })
+        .expect("a scene")
 }
 
 /// Returns the lowest height of the scene and the reflectance of its endless ground.

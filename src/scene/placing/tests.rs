@@ -9,7 +9,7 @@ use crate::covering::surfaces::Surfaces;
 use crate::placing::frame::{SiteFrame, UpAxis};
 use crate::placing::plausible::far_receivers;
 use crate::semantics::SurfaceKind;
-use crate::site::{Part, Site};
+use crate::site::{Part, SceneFiles};
 use heliotile_core::error::Result;
 use heliotile_core::site::receiver::Receiver;
 
@@ -41,7 +41,7 @@ impl Folder {
 
     fn load(&self, names: &[&str], frame: &SiteFrame) -> Result<Scene> {
         let files: Vec<_> = names.iter().map(|name| self.0.path().join(name)).collect();
-        Scene::load_site(&Site::of(&files, None)?.framed(frame))
+        Scene::load_site(&SceneFiles::of(&files, None)?.framed(frame))
     }
 
     /// Returns the warnings about some files, without those about materials.
@@ -268,7 +268,7 @@ fn houses_on_their_side_get_a_hint() {
         let file = folder.path().join("house.obj");
         std::fs::write(&file, text).expect("written");
         let load = |up| {
-            let site = Site { parts: vec![Part { up, ..Part::plain(&file, None) }], ..Site::default() };
+            let site = SceneFiles { parts: vec![Part { up, ..Part::plain(&file, None) }], ..SceneFiles::default() };
             Scene::load_with_objects(&site).expect("a scene")
         };
         let hint = |scene: &Scene| scene.report.warnings.iter().find(|warning| warning.contains("{up} y")).cloned();

@@ -10,7 +10,7 @@ use super::rows::PointColumns;
 pub use super::rows::{Facing, PointDefaults, PointHeight};
 use heliotile_core::error::{Error, Result};
 
-const NAME: Names = &["point", "receiver"];
+const NAMES: [Names; 2] = [&["point"], &["receiver"]];
 /// What a header holds, for messages.
 const HINT: &str = "name the columns point,x,y,height,tilt_deg,azimuth_deg, or z in place of height";
 
@@ -40,7 +40,7 @@ pub fn read_points(path: &Path, defaults: PointDefaults, warnings: &mut Vec<Stri
     let mut rows = CsvRows::open(path)?;
     advance_to_header(&mut rows, HINT)?;
     let mut header = Header::of(&rows, HINT);
-    let columns = PointColumns::find(&mut header, NAME, defaults)?;
+    let columns = PointColumns::find(&mut header, NAMES, defaults)?;
     warnings.extend(header.unused());
     let (mut points, mut line_of): (Vec<PlacePoint>, HashMap<String, usize>) = (Vec::new(), HashMap::new());
     while rows.advance()? {

@@ -15,7 +15,7 @@ use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::site::north::North;
 use heliotile_core::site::receiver::Receiver;
 
-const NAME: Names = &["receiver", "point"];
+const NAMES: [Names; 2] = [&["receiver"], &["point"]];
 const AREA: Names = &["area_m2", "area"];
 const SURFACE: Names = &["surface"];
 /// Optional column of the part of its surface that the receiver stands for, as in [`Patch`].
@@ -211,7 +211,7 @@ impl<'a> ReceiverRows<'a> {
 
 impl Columns {
     fn find(header: &mut Header) -> Result<Columns> {
-        let point = PointColumns::find(header, NAME, DEFAULTS)?;
+        let point = PointColumns::find(header, NAMES, DEFAULTS)?;
         let mut part = [None; ModelPart::COLUMNS.len()];
         for (slot, name) in part.iter_mut().zip(PART) {
             *slot = header.find(name)?;
@@ -309,7 +309,7 @@ mod tests {
         assert_eq!((a.id.as_str(), a.position, a.area), ("a", DVec3::new(1.0, 2.0, 3.0), Some(4.0)));
         assert!((a.normal - DVec3::new(0.0, -0.5, 0.75_f64.sqrt())).length() < 1e-7 && warnings.is_empty());
         for (text, quoted) in [
-            ("receiver,point,x,y,z,nx,ny,nz\n", "columns `receiver` and `point` state the same"),
+            ("receiver,x,y,height,height_m,nx,ny,nz\n", "columns `height` and `height_m` state the same"),
             ("receiver,x,y,z,tilt,tilt_deg,azimuth\n", "columns `tilt` and `tilt_deg` state the same"),
             (
                 "receiver,x,y,z,nx,ny,nz,tilt,azimuth\na,0,0,0,0,0,1,30,0",

@@ -117,9 +117,14 @@ fn all_or_none<const N: usize>(header: &mut Header, names: [Names; N]) -> Result
 }
 
 impl PointColumns {
-    /// Finds the columns; `names` are those of the column of names.
-    pub fn find(header: &mut Header, names: Names, defaults: PointDefaults) -> Result<Self> {
-        let (name, place) = (header.needed(names)?, [header.needed(X)?, header.needed(Y)?]);
+    /// Finds the columns; `names` are those of the column of names, of which the first one counts.
+    pub fn find(header: &mut Header, names: [Names; 2], defaults: PointDefaults) -> Result<Self> {
+        let [own, other] = names;
+        let name = match header.find(own)? {
+            Some(name) => name,
+            None => header.find(other)?.map_or_else(|| header.needed(own), Ok)?,
+        };
+        let place = [header.needed(X)?, header.needed(Y)?];
         let (z, height) = (header.find(Z)?, header.find(HEIGHT)?);
         if z.is_none() && height.is_none() && defaults.height_m.is_none() {
             return Err(header.missing("column `z` is missing"));

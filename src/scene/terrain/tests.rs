@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use crate::Scene;
 use crate::placing::frame::UpAxis;
-use crate::site::{Part, Site};
+use crate::site::{Part, SceneFiles};
 
 /// Returns hills of `columns` x `rows` cells of 500 m from (400,000, 5,000,000), with one height
 /// missing.
@@ -49,7 +49,7 @@ fn parts(files: &[(&str, String)]) -> (tempfile::TempDir, Vec<Part>) {
 }
 
 fn load(parts: &[Part]) -> Scene {
-    Scene::load_site(&Site { parts: parts.to_vec(), ..Site::default() }).expect("a scene")
+    Scene::load_site(&SceneFiles { parts: parts.to_vec(), ..SceneFiles::default() }).expect("a scene")
 }
 
 /// A raster alone is 2 x 79 x 59 triangles less the 8 at nodata, all facing up, under material
@@ -112,6 +112,8 @@ fn a_horizon_of_0_degrees_keeps_all_triangles() {
     assert_eq!(found[0], 2 * 79 * 59 - 8 + 2);
     assert!(found[0] > found[1] && found[1] > found[2], "{found:?}");
     let turned = Part { up: Some(UpAxis::Y), ..terrain.clone() };
-    let message = Scene::load_site(&Site { parts: vec![turned], ..Site::default() }).expect_err("no y up").to_string();
+    let message = Scene::load_site(&SceneFiles { parts: vec![turned], ..SceneFiles::default() })
+        .expect_err("no y up")
+        .to_string();
     assert!(message.contains("y up cannot be used for a raster"), "{message}");
 }

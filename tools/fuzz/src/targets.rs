@@ -43,7 +43,7 @@ use heliotile_scene::points::places::{PointDefaults, read_points};
 use heliotile_scene::points::receivers::{ReceiverRows, read_receivers_with_warnings};
 use heliotile_scene::pv::layout::{Outline, lay};
 use heliotile_scene::pv::rows::{RowsGround, read_rows};
-use heliotile_scene::site::Site;
+use heliotile_scene::site::SceneFiles;
 
 /// A reader of foreign bytes.
 pub type Target = fn(&[u8]);
@@ -469,7 +469,7 @@ fn ply(data: &[u8]) {
 fn site(data: &[u8]) {
     file("town.obj", OBJ);
     file("materials.toml", MATERIALS);
-    if let Ok(site) = Site::of(&[file("site.toml", data)], None)
+    if let Ok(site) = SceneFiles::of(&[file("site.toml", data)], None)
         && site.files().all(|file| file.ends_with("town.obj") || file.ends_with("materials.toml"))
     {
         let _ = Scene::load_site(&site);

@@ -9,8 +9,8 @@ use serde_json::{Map, Number, Value};
 
 use super::shell_words::quoted;
 use crate::cli::Cli;
-use heliotile_core::text::without_secrets;
-use heliotile_results::outputs::provenance::Provenance;
+use heliotile::Provenance;
+use heliotile::text::without_secrets;
 
 /// Options that change the destination or the duration of a computation, never its values.
 const NEUTRAL: [&str; 11] =

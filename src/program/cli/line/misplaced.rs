@@ -9,7 +9,7 @@ use clap::{Command, CommandFactory, FromArgMatches};
 
 use super::invocation::provenance;
 use crate::cli::Cli;
-use heliotile_results::outputs::provenance::Provenance;
+use heliotile::Provenance;
 
 /// Parses the words of a command line, the program's name first. Ends the program if they ask for
 /// help or are wrong.

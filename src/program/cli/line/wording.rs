@@ -8,8 +8,8 @@ use std::sync::LazyLock;
 use clap::CommandFactory;
 
 use crate::cli::Cli;
-use heliotile_core::error::Error;
-use heliotile_core::text::{Named, with_fields};
+use heliotile::Error;
+use heliotile::text::{Named, with_fields};
 
 /// Options by the request field that they fill: the arguments of all commands, without those of the
 /// commands of `study` and `store`.

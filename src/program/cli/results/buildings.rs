@@ -8,8 +8,9 @@ use clap::Args;
 use super::SiteArgs;
 use crate::cli::WeatherArgs;
 use crate::cli::values::{choice, table_help};
-use heliotile_core::replay::components::{Component, ComponentList};
-use heliotile_results::{BuildingsRequest, Every, LightChoice, PlaceOn, PlacesRequest, ReplayRequest};
+use heliotile::{
+    BuildingsRequest, Component, ComponentList, Every, LightChoice, PlaceOn, PlacesRequest, ReplayRequest,
+};
 
 /// An archive and the weather of a year.
 #[derive(Args, Debug)]

@@ -7,13 +7,10 @@ use clap::Args;
 use super::recombine::{ChangeArgs, PeriodArgs, SkyArgs};
 use crate::cli::values::{Bytes, choice, parse_memory, table_help};
 use crate::cli::{AccuracyArgs, ClockArgs, Metres, SceneArgs};
-use heliotile::Site;
-use heliotile_core::error::{Error, Result};
-use heliotile_core::weather::temperatures::Temperature;
-use heliotile_results::run::folder_beside;
-use heliotile_results::{
-    ClassShare, ComfortChoice, ComfortColumn, ComfortRequest, ComfortSiteRequest, FileRequest, LightChoice, Posture,
-    ReplayRequest, SunOnPerson, SurfaceTemperatures, WindChoice,
+use heliotile::output::folder_beside;
+use heliotile::{
+    ClassShare, ComfortChoice, ComfortColumn, ComfortRequest, ComfortSiteRequest, Error, FileRequest, LightChoice,
+    Posture, ReplayRequest, Result, Site, SunOnPerson, SurfaceTemperatures, Temperature, WindChoice,
 };
 
 /// Returns the help of `--output`.

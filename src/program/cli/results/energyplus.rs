@@ -5,12 +5,10 @@ use std::path::PathBuf;
 use clap::Args;
 use glam::DVec3;
 
-use crate::cli::Metres;
 use crate::cli::sites::parse_crs;
 use crate::cli::values::{Bytes, choice, parse_memory};
-use crate::cli::{AccuracyArgs, FootprintArgs, MaterialsArgs};
-use heliotile_energyplus::{EnergyplusRequest, Physics};
-use heliotile_scene::request::SceneRequest;
+use crate::cli::{AccuracyArgs, FootprintArgs, MaterialsArgs, Metres};
+use heliotile::{EnergyplusRequest, Physics, SceneRequest};
 
 #[derive(Args, Debug)]
 pub struct EnergyplusArgs {

@@ -6,13 +6,8 @@ use clap::{ArgGroup, Args};
 
 use crate::cli::sites::{parse_latitude, parse_time_zone};
 use crate::cli::values::{Bytes, choice, parse_depth, parse_memory, table_help};
-use heliotile_atlas::{ExportRequest, SunPosition};
-use heliotile_core::archive::Access;
-use heliotile_core::light::radiosity::MaxBounces;
-use heliotile_core::sky::model::SkyModel;
-use heliotile_core::weather::options::WeatherOptions;
-use heliotile_core::weather::time::clock_zone::ClockZone;
-use heliotile_results::PageRequest;
+use heliotile::atlas::{ExportRequest, SunPosition};
+use heliotile::{Access, ClockZone, MaxBounces, PageRequest, SkyModel, WeatherOptions};
 
 /// Text of `export --help` on images.
 const IMAGES: &str = "\

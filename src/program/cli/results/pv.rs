@@ -7,10 +7,7 @@ use clap::{ArgGroup, Args};
 use super::recombine::parse_share;
 use crate::cli::values::{Bytes, choice, parse_memory, table_endings};
 use crate::cli::{AccuracyArgs, ClockArgs, SceneArgs, TableNorthArgs};
-use heliotile_core::replay::reflectances::Snow;
-use heliotile_core::sky::model::SkyModel;
-use heliotile_core::weather::options::StampedAt;
-use heliotile_results::pv::PvRequest;
+use heliotile::{PvRequest, SkyModel, Snow, StampedAt};
 
 #[derive(Args, Debug)]
 #[command(group(ArgGroup::new("modules").required(true).args(["points", "rows"])))]

@@ -7,28 +7,15 @@ use clap::{ArgGroup, Args};
 
 use crate::cli::WeatherArgs;
 use crate::cli::values::{Bytes, SelectionArgs, choice, parse_depth, parse_memory, table_help};
-use heliotile::{Site, SiteOptions};
-use heliotile_builder::transfer::Selection;
-use heliotile_core::archive::Access;
-use heliotile_core::error::{Error, Result};
-use heliotile_core::light::paths::LightPaths;
-use heliotile_core::light::radiosity::MaxBounces;
-use heliotile_core::observer::Observer;
-use heliotile_core::replay::components::ComponentList;
-use heliotile_core::replay::reflectances::{Changes, ConstantOrFile, Snow, followed_files};
-use heliotile_core::sky::model::SkyModel;
-use heliotile_core::sky::own_skies::SkyScale;
-use heliotile_core::weather::options::StampedAt;
-use heliotile_core::weather::span::Moment;
-use heliotile_core::weather::temperatures::Temperature;
-use heliotile_results::outputs::periods::Every;
-use heliotile_results::outputs::shapes::writer::MapFormat;
-use heliotile_results::outputs::tables::layout::By;
-use heliotile_results::{
-    BandChoice, BandList, CompareRequest, FactorsRequest, FileRequest, Illumination, LightChoice, Provenance,
-    QueryRequest, ReceiverChoice, ReplayRequest, SkyChoice, SkyFiles,
+use heliotile::materials::followed_files;
+use heliotile::output::MapFormat;
+use heliotile::scene::input;
+use heliotile::{
+    Access, BandChoice, BandList, By, Changes, CompareRequest, ComponentList, ConstantOrFile, Error, Every,
+    FactorsRequest, FileRequest, Illumination, LightChoice, LightPaths, MaxBounces, Moment, Observer, Provenance,
+    QueryRequest, ReceiverChoice, ReplayRequest, Result, Selection, Site, SiteOptions, SkyChoice, SkyFiles, SkyModel,
+    SkyScale, Snow, StampedAt, Temperature,
 };
-use heliotile_scene::input;
 
 /// Returns the help of `--output`.
 fn output_help() -> String {

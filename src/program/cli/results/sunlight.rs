@@ -7,7 +7,7 @@ use clap::Args;
 use super::recombine::TableArgs;
 use crate::cli::WeatherArgs;
 use crate::cli::values::choice;
-use heliotile_results::{ClockZone, DaySpan, Every, FileRequest, GlareChoice, SunlightRequest};
+use heliotile::{ClockZone, DaySpan, Every, FileRequest, GlareChoice, SunlightRequest};
 
 /// Days, rules and the format of maps.
 #[derive(Args, Debug)]

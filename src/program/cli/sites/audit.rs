@@ -7,8 +7,8 @@ use clap::Args;
 use super::clock_of;
 use crate::cli::values::{Bytes, parse_memory};
 use crate::cli::{ClockArgs, SceneArgs};
-use heliotile_core::sky::model::SkyModel;
-use heliotile_results::{AuditRequest, is_time};
+use heliotile::tables::is_time;
+use heliotile::{AuditRequest, SkyModel};
 
 #[derive(Args, Debug)]
 #[command(group(clock_of("weather")))]

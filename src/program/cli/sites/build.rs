@@ -8,7 +8,7 @@ use super::quality::parse_preview;
 use super::{clock_of, weather_files};
 use crate::cli::values::{Bytes, choice, parse_memory};
 use crate::cli::{AccuracyArgs, ClockArgs, Percent, SceneArgs, TableNorthArgs, parse_negligible};
-use heliotile_builder::settings::{EffectChoice, Share};
+use heliotile::{EffectChoice, Share};
 
 /// Options that `--part` excludes, as the plan of an atlas states their values.
 const PLANNED: [&str; 24] = [

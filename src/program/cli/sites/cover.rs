@@ -6,8 +6,8 @@ use std::str::FromStr;
 use clap::Args;
 
 use crate::cli::SceneArgs;
-use heliotile_results::along::AlongRequest;
-use heliotile_results::covering::{CoverRequest, Density};
+use heliotile::covering::AlongRequest;
+use heliotile::{CoverRequest, Density};
 
 #[derive(Args, Debug)]
 pub struct ReceiversArgs {

@@ -6,8 +6,7 @@ use clap::Args;
 
 use crate::cli::values::{Bytes, choice, parse_bounds, parse_memory};
 use crate::cli::{CoverArgs, Metres, SceneArgs};
-use heliotile_builder::settings::Quality;
-use heliotile_builder::transfer::Bounds;
+use heliotile::{Bounds, Quality};
 
 #[derive(Args, Debug)]
 pub struct PartitionArgs {

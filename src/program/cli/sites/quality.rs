@@ -8,10 +8,9 @@ use clap::Args;
 
 use super::ClockArgs;
 use crate::cli::values::choice;
-use heliotile_builder::planning::{AccuracyRequest, PREVIEWS};
-use heliotile_builder::settings::Quality;
-use heliotile_builder::writing::claim::same_place;
-use heliotile_core::weather::options::WeatherOptions;
+use heliotile::output::same_place;
+use heliotile::tracing::PREVIEWS;
+use heliotile::{AccuracyRequest, Quality, WeatherOptions};
 
 #[derive(Args, Debug)]
 pub struct AccuracyArgs {

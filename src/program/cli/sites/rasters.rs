@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use heliotile_scene::SurfaceRasters;
+use heliotile::SurfaceRasters;
 
 #[derive(Args, Clone, Debug, Default)]
 pub struct RasterArgs {

@@ -6,10 +6,7 @@ use clap::{ArgGroup, Args};
 
 use crate::cli::values::{Bytes, choice, parse_memory, table_endings};
 use crate::cli::{AccuracyArgs, ClockArgs, CoverArgs, Percent, SceneArgs, parse_negligible};
-use heliotile_core::weather::options::StampedAt;
-use heliotile_results::outputs::periods::Every;
-use heliotile_results::outputs::tables::layout::By;
-use heliotile_results::{RunMap, RunRequest};
+use heliotile::{By, Every, RunMap, RunRequest, StampedAt};
 
 #[derive(Args, Debug)]
 #[command(group(ArgGroup::new("tables").args(["every", "rule"]).multiple(true)))]

@@ -7,12 +7,10 @@ use crate::cli::values::choice;
 use clap::Args;
 
 use super::rasters::RasterArgs;
-use heliotile_core::error;
-use heliotile_scene::ModelVersion;
-use heliotile_scene::footprint_options::{FootprintOptions, HeightAbove, HeightSource};
-use heliotile_scene::placing::frame::{SiteFrame, UpAxis, check_elevation, check_epsg, check_rotation, check_scale};
-use heliotile_scene::request::SceneRequest;
-use heliotile_scene::site::Site;
+use heliotile::scene::{check_elevation, check_epsg, check_rotation, check_scale};
+use heliotile::{
+    FootprintOptions, HeightAbove, HeightSource, ModelVersion, SceneFiles, SceneRequest, SiteFrame, UpAxis, error,
+};
 
 #[derive(Args, Clone, Debug)]
 pub struct SceneArgs {
@@ -159,7 +157,7 @@ impl SceneArgs {
     }
 
     /// Returns the files of the scene.
-    pub fn site(&self) -> error::Result<Site> {
+    pub fn site(&self) -> error::Result<SceneFiles> {
         self.request().site()
     }
 

@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use clap::{Args, Subcommand};
 
-use heliotile_builder::study::mapping::HemisphereMapping;
+use heliotile::tracing::HemisphereMapping;
 
 #[derive(Args, Debug)]
 pub struct StudyArgs {

@@ -7,8 +7,7 @@ use clap::Args;
 use super::clock_of;
 use crate::cli::values::{Bytes, parse_memory};
 use crate::cli::{ClockArgs, SceneArgs, TableNorthArgs};
-use heliotile_builder::settings::EffectChoice;
-use heliotile_results::TradeoffRequest;
+use heliotile::{EffectChoice, TradeoffRequest};
 
 #[derive(Args, Debug)]
 #[command(group(clock_of("weather")))]

@@ -8,10 +8,9 @@ use super::cover::Metres;
 use super::quality::{Percent, parse_preview};
 use super::scene::{MaterialsArgs, PlaceArgs};
 use crate::cli::values::{Bytes, parse_memory};
-use heliotile_results::UpdateRequest;
-use heliotile_results::covering::{CoverRequest, Density};
-use heliotile_scene::edit::{ObjectHeight, ObjectMaterial, ObjectMove, SceneEdits};
-use heliotile_scene::request::SceneRequest;
+use heliotile::{
+    CoverRequest, Density, ObjectHeight, ObjectMaterial, ObjectMove, SceneEdits, SceneRequest, UpdateRequest,
+};
 
 #[derive(Args, Debug)]
 pub struct UpdateArgs {

@@ -6,8 +6,7 @@ use clap::{ArgGroup, Args};
 
 use super::{parse_latitude, parse_longitude};
 use crate::cli::values::choice;
-use heliotile_core::weather::options::{DateOrder, StampedAt, TimeShift, WeatherOptions};
-use heliotile_core::weather::time::clock_zone::ClockZone;
+use heliotile::{ClockZone, DateOrder, StampedAt, TimeShift, WeatherOptions};
 
 /// Place and clock of a weather file, for commands that know no scene.
 #[derive(Args, Clone, Debug)]

@@ -1,7 +1,7 @@
 //! Values of the library's types by name. In: names on the command line. Out: values.
 
-use heliotile_core::named::NamedValues;
-use heliotile_results::outputs::tables::format::Format;
+use heliotile::names::NamedValues;
+use heliotile::output::Format;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
@@ -28,8 +28,8 @@ pub fn table_help(table: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use heliotile_core::named::name_of;
-    use heliotile_results::outputs::periods::Every;
+    use heliotile::Every;
+    use heliotile::names::name_of;
 
     /// The five periods are parsed from their names and print them again; `week` is refused.
     #[test]

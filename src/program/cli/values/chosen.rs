@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::cli::values::parse_bounds;
-use heliotile_builder::transfer::{Bounds, Selection};
+use heliotile::{Bounds, Selection};
 
 /// Choice of receivers: one of these options, or none for all receivers.
 #[derive(Args, Debug)]

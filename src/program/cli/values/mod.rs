@@ -6,5 +6,5 @@ mod numbers;
 
 pub use choice::{choice, table_endings, table_help};
 pub use chosen::SelectionArgs;
-pub use heliotile_core::units::Bytes;
+pub use heliotile::Bytes;
 pub use numbers::{parse_bounds, parse_depth, parse_memory};

@@ -1,9 +1,8 @@
 //! Numbers with units and lists of numbers. In: text of the command line. Out: bytes, boxes,
 //! depths, or an error.
 
-use heliotile_builder::spill::check_memory;
-use heliotile_builder::transfer::Bounds;
-use heliotile_core::units::Bytes;
+use heliotile::memory::check_memory;
+use heliotile::{Bounds, Bytes};
 
 /// Least memory, bytes: less leaves no room for a tile.
 const LEAST_MEMORY: u64 = 64 << 20;
@@ -26,8 +25,8 @@ pub fn parse_bounds(text: &str) -> Result<Bounds, String> {
 }
 
 /// Parses a number of diffuse reflections.
-pub fn parse_depth(text: &str) -> Result<heliotile_core::light::radiosity::MaxBounces, String> {
-    use heliotile_core::light::radiosity::MaxBounces;
+pub fn parse_depth(text: &str) -> Result<heliotile::MaxBounces, String> {
+    use heliotile::MaxBounces;
     match (text, text.parse::<u32>()) {
         ("all", _) => Ok(MaxBounces::All),
         (_, Ok(count)) if MaxBounces::COUNTS.contains(&count) => Ok(MaxBounces::Count(count)),

@@ -14,7 +14,7 @@ use super::interrupt::{self, Watch};
 use super::progress_lines::{FIRST_LINE, ProgressLines};
 use super::voice::{aside, is_quiet, note, remark, remark_aside, warn};
 use crate::cli::worded_text;
-use heliotile_core::observer::Observer;
+use heliotile::Observer;
 
 /// Observer of every command.
 pub struct Terminal {

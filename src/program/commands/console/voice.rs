@@ -7,7 +7,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicU8, Ordering};
 
 use crate::cli::worded_text;
-use heliotile_core::error::{Error, Result};
+use heliotile::{Error, Result};
 
 /// Amount of messages.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -88,7 +88,7 @@ fn shortened(text: &str, verbose: bool) -> Cow<'_, str> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use heliotile_core::text::with_list;
+    use heliotile::text::with_list;
 
     /// A text with 9 control characters keeps the tab and the end of its line; all others are
     /// replaced.

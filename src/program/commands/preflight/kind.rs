@@ -5,9 +5,9 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use heliotile_core::archive::format;
-use heliotile_core::error::{Error, Result};
-use heliotile_scene::format_of_name;
+use heliotile::archive::format;
+use heliotile::scene::format_of_name;
+use heliotile::{Error, Result};
 
 /// Kind of file that a command expects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

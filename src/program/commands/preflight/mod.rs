@@ -8,19 +8,15 @@ use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 use crate::cli::{Command, RecombineArgs, SceneArgs, StudyCommand, TableArgs, YearArgs};
-use heliotile_builder::writing::claim::{ClaimedOutput, OutputGuard};
-use heliotile_builder::writing::copy::folder_of;
-use heliotile_builder::writing::guards::check_archive_name;
-use heliotile_core::error::{Error, Result};
-use heliotile_core::weather::temperatures::Temperature;
-use heliotile_remote::naming::{is_address, shown};
-use heliotile_remote::places::require_file;
-use heliotile_results::covering::check_name;
-use heliotile_results::outputs::city_model::is_city_model;
-use heliotile_results::outputs::results::ResultFormat;
-use heliotile_results::outputs::tables::format::{Format, files_of};
-use heliotile_results::run::folder_beside;
-use heliotile_scene::input;
+use heliotile::archive::require_file;
+use heliotile::covering::check_name;
+use heliotile::output::{
+    ClaimedOutput, Format, OutputGuard, ResultFormat, check_archive_name, files_of, folder_beside, folder_of,
+    is_city_model,
+};
+use heliotile::remote::{is_address, shown};
+use heliotile::scene::input;
+use heliotile::{Error, Result, Temperature};
 use kind::Wanted;
 
 /// Kind of output.

@@ -5,7 +5,7 @@ mod wall;
 
 use super::Outcome;
 use crate::cli::{StudyArgs, StudyCommand};
-use heliotile_core::error::Result;
+use heliotile::Result;
 
 /// `heliotile study`.
 pub fn run(args: &StudyArgs) -> Result<Outcome> {

@@ -9,17 +9,11 @@ use rayon::prelude::*;
 
 use crate::cli::{RaySquare, WallArgs};
 use crate::commands::{Outcome, say};
-use heliotile_builder::study::mapping::{HemisphereMapping, MappedRay};
-use heliotile_builder::study::wall::Wall;
-use heliotile_builder::trace::Tracer;
-use heliotile_builder::trace::receiver::Viewpoint;
-use heliotile_builder::writing::guards::guard_output;
-use heliotile_core::error::{Error, Result};
-use heliotile_core::site::material::{Class, Material};
-use heliotile_core::text::counted;
-use heliotile_results::outputs::pictures::plot::{Axis, Plot, Series, Style};
-use heliotile_results::outputs::sink::write_texts;
-use heliotile_scene::Scene;
+use heliotile::output::{guard_output, write_texts};
+use heliotile::plot::{Axis, Plot, Series, Style};
+use heliotile::text::counted;
+use heliotile::tracing::{HemisphereMapping, MappedRay, Tracer, Viewpoint, Wall};
+use heliotile::{Class, Error, Material, Result, Scene};
 
 /// Edges of the wall, and of the receiver over which points are spread, metres.
 const WALL_M: f64 = 10.0;

@@ -9,19 +9,14 @@ use std::path::Path;
 use super::console::terminal::Terminal;
 use super::{Outcome, remark, warn};
 use crate::cli::ViewArgs;
-use heliotile_atlas::Atlas;
-use heliotile_atlas::about::built;
-use heliotile_atlas::page::{PARTS, archive_of, list};
-use heliotile_core::archive::Access;
-use heliotile_core::error::{Error, Result};
-use heliotile_core::opened::OpenSite;
-use heliotile_core::weather::distance::far_apart;
-use heliotile_remote::naming::{is_address, shown};
-use heliotile_remote::places::{hold, open_archive};
-use heliotile_results::open_after;
-use heliotile_results::outputs::viewer_page::{ViewerPage, packed};
-use heliotile_scene::input;
-use heliotile_scene::input::weather::read_weather_as;
+use heliotile::archive::{OpenSite, hold, open_archive};
+use heliotile::atlas::{Atlas, PARTS, archive_of, built, list};
+use heliotile::output::{ViewerPage, packed};
+use heliotile::remote::{is_address, shown};
+use heliotile::scene::{input, read_weather_as};
+use heliotile::tables::open_after;
+use heliotile::weather::far_apart;
+use heliotile::{Access, Error, Result};
 use server::{Served, ServedArchive, serve};
 
 /// Default port of the page; if it is taken, any free port is used.

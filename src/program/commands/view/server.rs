@@ -16,9 +16,9 @@ use axum::routing::get;
 use tower_http::services::ServeFile;
 
 use crate::cli::worded_text;
-use heliotile_atlas::page::PARTS;
-use heliotile_core::archive::ReadAt;
-use heliotile_core::error::{Error, Result};
+use heliotile::archive::ReadAt;
+use heliotile::atlas::PARTS;
+use heliotile::{Error, Result};
 
 /// Addresses of the archive, of the one after a change and of the weather, relative to the page.
 pub const ARCHIVE: &str = "site.helio";

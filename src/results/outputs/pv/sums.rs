@@ -6,7 +6,7 @@ use std::path::Path;
 use glam::DVec3;
 
 use crate::outputs::provenance::Provenance;
-use crate::outputs::tables::column::Column;
+use crate::outputs::tables::column::{Column, Digits};
 use crate::outputs::tables::rows::{Cell, Records};
 use heliotile_core::error::Result;
 use heliotile_core::orientation::fan::Orientation;
@@ -85,8 +85,14 @@ impl SideSums {
 pub fn write_points(path: &Path, sides: &[SideSums], about: &Provenance) -> Result<()> {
     let is_bifacial = sides.iter().any(|side| side.bifacial_gain_percent.is_some());
     let mut columns = vec![Column::text("point"), Column::text("side")];
-    columns.extend(["x", "y", "z"].map(|name| Column::number(name, 4)));
-    columns.extend(["tilt_deg", "azimuth_deg"].map(|name| Column::number(name, 2)));
+    // Points keep all digits, so that the table can be given as points again.
+    let of_points = sides.iter().all(|side| side.side.is_empty());
+    let number = |name, decimals| match of_points {
+        true => Column::number_as(name, Digits::Fewest),
+        false => Column::number(name, decimals),
+    };
+    columns.extend(["x", "y", "z"].map(|name| number(name, 4)));
+    columns.extend(["tilt_deg", "azimuth_deg"].map(|name| number(name, 2)));
     columns.extend(columns_of_sums());
     columns.extend([Column::number("sky_view", 5), Column::text("horizon")]);
     columns.extend(is_bifacial.then(|| Column::number("bifacial_gain_percent", DECIMALS)));

@@ -3,7 +3,7 @@
 use crate::Scene;
 use crate::formats::test_cases::{self, areas_m2};
 use crate::load::Soup;
-use crate::site::{Part, Site};
+use crate::site::{Part, SceneFiles};
 
 fn load(name: &str) -> Result<(Scene, Soup), String> {
     test_cases::load(&format!("citygml/cases/{name}"))
@@ -52,7 +52,7 @@ fn features_of_gml_have_their_heights() {
             "<wfs:FeatureCollection><wfs:member><x:Building>{feature}</x:Building></wfs:member></wfs:FeatureCollection>"
         );
         std::fs::write(&file, text).expect("written");
-        let site = Site { parts: vec![Part::plain(&file, None)], ..Site::default() };
+        let site = SceneFiles { parts: vec![Part::plain(&file, None)], ..SceneFiles::default() };
         Scene::load_with_objects(&site).map_err(|error| error.to_string())
     };
     let outline = "<gml:Polygon srsName=\"EPSG:25832\"><gml:outerBoundaryIs><gml:LinearRing><gml:coordinates>500000,5400000 500010,5400000 \

@@ -6,7 +6,7 @@ use crate::Scene;
 use crate::footprint_options::HeightAbove;
 use crate::formats::test_cases::{self, areas_m2};
 use crate::load::Soup;
-use crate::site::{Part, Site};
+use crate::site::{Part, SceneFiles};
 
 fn case(name: &str) -> PathBuf {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/footprints/cases")).join(name)
@@ -62,7 +62,7 @@ fn roofs_above_the_sea_stand_on_their_ground() {
         let mut part = Part::plain(&case("roof_above_sea.geojson"), None);
         part.footprints.height_above = level;
         part.footprints.base = base.map(|text| text.parse().expect("a source"));
-        let site = Site { parts: vec![part], ..Site::default() };
+        let site = SceneFiles { parts: vec![part], ..SceneFiles::default() };
         Scene::load_with_objects(&site).map_err(|error| error.to_string())
     };
     let hints = |scene: &Scene| scene.report.warnings.iter().any(|warning| warning.contains("{height_above} sea"));
@@ -90,7 +90,7 @@ fn roofs_above_the_sea_stand_on_their_ground() {
 fn names_places_and_missing_heights_are_those_of_the_file() {
     let mut part = Part::plain(&case("enc_latin1.shp"), None);
     part.footprints.height = vec!["9m".parse().expect("metres")];
-    let site = Site { parts: vec![part], ..Site::default() };
+    let site = SceneFiles { parts: vec![part], ..SceneFiles::default() };
     let (_, soup) = Scene::load_with_objects(&site).expect("a scene");
     let all: String = soup.object_notes.iter().map(|note| note.attributes.clone()).collect();
     assert!(all.contains("M\u{fc}llerweg") && all.contains("\u{c5}ngstr\u{f6}mgatan"), "{all}");

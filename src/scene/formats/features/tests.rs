@@ -7,16 +7,16 @@ use crate::covering::surfaces::Surfaces;
 use crate::footprint_options::FootprintOptions;
 use crate::load::Soup;
 use crate::semantics::SurfaceKind;
-use crate::site::{Part, Site};
+use crate::site::{Part, SceneFiles};
 
 /// Returns the path of a file of the town that `tests/data/footprints/town.py` writes.
 fn town(ending: &str) -> PathBuf {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/footprints")).join(format!("town.{ending}"))
 }
 
-fn site(file: &Path, options: &FootprintOptions, epsg: Option<u32>) -> Site {
+fn site(file: &Path, options: &FootprintOptions, epsg: Option<u32>) -> SceneFiles {
     let part = Part { footprints: options.clone(), ..Part::plain(file, None) };
-    let mut site = Site { parts: vec![part], ..Site::default() };
+    let mut site = SceneFiles { parts: vec![part], ..SceneFiles::default() };
     site.frame.epsg = epsg;
     site
 }
