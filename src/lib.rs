@@ -56,6 +56,7 @@
 #![deny(missing_docs)]
 
 pub mod book;
+pub mod cases;
 mod site;
 
 pub use heliotile_builder::pipeline::{Output, Start};
@@ -84,6 +85,7 @@ pub use heliotile_core::weather::span::Moment;
 pub use heliotile_core::weather::temperatures::Temperature;
 pub use heliotile_core::weather::time::clock_zone::ClockZone;
 pub use heliotile_energyplus::{EnergyplusRequest, Physics};
+pub use heliotile_requests as requests;
 pub use heliotile_results::covering::{CoverRequest, Density};
 pub use heliotile_results::pv::{PvDone, PvRequest};
 pub use heliotile_results::site_build::check_output;

@@ -1,6 +1,7 @@
 //! A static STAC catalogue of an atlas. In: an atlas. Out: `collection.json` beside the plan and
 //! `item.json` beside each archive, with pictures and the page that shows them.
 
+use heliotile_requests::Request;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
@@ -31,12 +32,19 @@ use heliotile_results::outputs::viewer_page::ViewerPage;
 pub const ITEM: &str = "item.json";
 
 /// Facts that a catalogue states beyond the contents of the atlas.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Request)]
 pub struct CatalogueRequest {
-    /// Title for readers; `None` for the name of the folder.
+    /// Title of the catalogue [default: the folder's name].
     pub title: Option<String>,
-    /// Licence, as an SPDX identifier.
+    /// Licence of the data of the atlas, an SPDX name such as CC-BY-4.0.
+    #[field(metavar = "NAME", default = "other")]
     pub license: String,
+}
+
+impl Default for CatalogueRequest {
+    fn default() -> Self {
+        CatalogueRequest { title: None, license: "other".to_owned() }
+    }
 }
 
 /// Writes the catalogue of the atlas at a path. `about` is the provenance that pictures state.

@@ -2,6 +2,8 @@
 //! the halo makes. No part is traced. Files are read one after the other, so that memory is that of
 //! the largest.
 
+use heliotile_builder::spill::parse_memory;
+use heliotile_requests::Request;
 use std::fs;
 use std::path::PathBuf;
 
@@ -19,18 +21,31 @@ use heliotile_results::outputs::sink::write_texts;
 const NARROW_M: f64 = 50.0;
 
 /// A region to be cut.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Request)]
 pub struct PartitionRequest {
     /// Parts, halo and settings of the cut.
+    #[field(flatten)]
     pub cut: CutRequest,
-    /// Folder of the atlas.
+    /// Folder of the atlas to write: atlas.json, and a folder for each part once it is built.
+    #[field(name = "output", short = 'o', metavar = "ATLAS", output = Folder(&[]), required)]
     pub atlas: PathBuf,
-    /// True if a plan that is there is replaced.
+    /// Replace the plan of an atlas that has no built parts.
+    #[field(neutral)]
     pub replace: bool,
-    /// Number of receivers for the estimate of the halo's error; 0 for no estimate.
+    /// Number of receivers that are also traced with three times the halo, to estimate the error
+    /// due to the halo; 0 for no estimate.
+    #[field(metavar = "N", default = 256)]
     pub sample: usize,
-    /// Memory for the estimate.
+    /// Memory to work in, such as 512MiB or 2GiB.
+    #[field(default = "4GiB", parse = parse_memory, neutral)]
     pub memory: MemoryBudget,
+}
+
+impl Default for PartitionRequest {
+    fn default() -> Self {
+        let memory = MemoryBudget::DEFAULT;
+        PartitionRequest { cut: CutRequest::default(), atlas: PathBuf::new(), replace: false, sample: 256, memory }
+    }
 }
 
 /// Cuts a region into parts and writes its plan.

@@ -2,6 +2,8 @@
 //! lie. Out: parts with their places and the site of each, the same wherever and whenever it is
 //! read.
 
+use heliotile_core::units::parse_metres;
+use heliotile_requests::Request;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -75,22 +77,30 @@ pub struct PlannedPart {
 }
 
 /// Settings of a cut, common to all parts.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Request)]
 #[serde(deny_unknown_fields)]
 pub struct CutRequest {
-    /// Side of a part, metres.
+    /// Side of a square part; its corners lie at multiples of this length in the scene's
+    /// coordinates.
+    #[field(metavar = "LENGTH", default = "500m", parse = parse_metres)]
     pub part_size_m: f64,
-    /// Width of the zone around a part in which everything counts, metres.
+    /// Width of the zone around a part in which all objects count.
+    #[field(metavar = "LENGTH", default = "300m", parse = parse_metres)]
     pub halo_m: f64,
-    /// Elevation angle above which objects beyond the halo count, degrees.
+    /// Angle above the horizon, degrees: objects beyond the halo count only if they rise higher
+    /// than this, as seen from the part.
+    #[field(metavar = "DEGREES", default = 5.0, range = 0.1..=90.0, says = "give an angle from 0.1 to 90 degrees; with 90, nothing beyond the halo counts")]
     pub skyline_deg: f64,
     /// Scene files and their options.
+    #[field(flatten, without("grid_north"))]
     pub scene: SceneRequest,
     /// Surfaces and density of receivers.
+    #[field(flatten)]
     pub cover: CoverRequest,
     /// Accuracy of all parts; a target error is not accepted.
+    #[field(flatten, without("error", "error_weather"))]
     pub accuracy: AccuracyRequest,
-    /// True if archives leave out the triangles of the scene.
+    /// Leave the scene's triangles out of the archives, if they may not be passed on.
     pub no_scene: bool,
 }
 
@@ -314,7 +324,9 @@ pub fn absolute(scene: &SceneRequest) -> Result<SceneRequest> {
     let mut scene = scene.clone();
     scene.files = scene.files.iter().map(whole).collect::<Result<_>>()?;
     scene.materials = scene.materials.as_ref().map(whole).transpose()?;
-    scene.surface = scene.surface.as_ref().map(|rasters| rasters.with_paths(whole)).transpose()?;
+    if let Some(rasters) = scene.surface.settled() {
+        scene.surface = rasters.with_paths(whole)?;
+    }
     Ok(scene)
 }
 
@@ -348,10 +360,10 @@ mod tests {
             footprints: FootprintOptions { storey_height_m: Some(3.0), ..FootprintOptions::default() },
             assume_version: heliotile_scene::ModelVersion::parse("9.6"),
             frame,
-            surface: Some(heliotile_scene::SurfaceRasters {
+            surface: heliotile_scene::SurfaceRasters {
                 canopy: Some("cdsm.tif".into()),
                 ..heliotile_scene::SurfaceRasters::of("dsm.tif")
-            }),
+            },
             ..SceneRequest::default()
         };
         AtlasPlan {

@@ -1,6 +1,7 @@
 //! Checks of archives. In: the place of an archive or of an atlas. Out: every part of each archive
 //! that is not as it was written.
 
+use heliotile_requests::Request;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -13,14 +14,22 @@ use heliotile_remote::naming::shown;
 use heliotile_remote::places::{open_archive, verify_archive};
 
 /// Request for a check.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Request)]
 pub struct VerifyRequest {
-    /// Path or address of an archive or of an atlas.
+    /// Archive to check, or the folder of an atlas: a path or an address.
+    #[field(name = "archive", positional, required, input = Archive)]
     pub place: PathBuf,
-    /// True if every layer is decoded and every reference between blocks is followed, too.
+    /// Also decode every layer and follow every reference between blocks.
     pub deep: bool,
-    /// How files are read.
+    /// Way to read the archive.
+    #[field(name = "io", default = "pread", neutral)]
     pub access: Access,
+}
+
+impl Default for VerifyRequest {
+    fn default() -> Self {
+        VerifyRequest { place: PathBuf::new(), deep: false, access: Access::Read }
+    }
 }
 
 /// Result of the check of one archive.

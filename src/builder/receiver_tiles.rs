@@ -28,9 +28,9 @@ pub struct ReceiverTiles {
 }
 
 impl ReceiverTiles {
-    /// Reads rows as [`read_receivers`](heliotile_scene::points::receivers::read_receivers) does, and
-    /// sorts their receivers around `origin`. Temporary files go to `folder` if `budget_bytes` do
-    /// not suffice.
+    /// Reads rows as [`read_receivers`](heliotile_scene::points::receivers::read_receivers) does,
+    /// and sorts their receivers around `origin`. Temporary files go to `folder` if `budget_bytes`
+    /// do not suffice.
     pub fn open(mut rows: ReceiverRows, origin: DVec3, folder: &Path, budget_bytes: usize) -> Result<Self> {
         let path = rows.file();
         let mut by_place = Sorter::new(folder, budget_bytes / 2);

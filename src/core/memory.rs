@@ -76,6 +76,22 @@ pub const TOGETHER: [(&str, &[Use]); 9] = [
     ("extract", &[Use::ExtractedKeys, Use::ExtractedKeys, Use::ExtractedKeys, Use::ExtractedKeys]),
 ];
 
+impl Default for MemoryBudget {
+    fn default() -> Self {
+        MemoryBudget::DEFAULT
+    }
+}
+
+impl heliotile_requests::Parse for MemoryBudget {
+    fn form() -> heliotile_requests::Form {
+        heliotile_requests::Form::TEXT
+    }
+
+    fn parse(text: &str) -> Result<Self, String> {
+        text.parse::<Bytes>().map(MemoryBudget::from)
+    }
+}
+
 impl From<Bytes> for MemoryBudget {
     fn from(Bytes(bytes): Bytes) -> Self {
         MemoryBudget(bytes)

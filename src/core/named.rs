@@ -3,6 +3,8 @@
 
 use crate::error::{Error, Result};
 
+pub use heliotile_requests::{Form, Parse};
+
 /// A type with a few values that have names.
 pub trait NamedValues: Clone + Send + Sync + 'static {
     /// Name, meaning and value of each.
@@ -32,6 +34,27 @@ fn names<T: NamedValues>() -> String {
 /// Returns the name of a value.
 pub fn name_of<T: NamedValues + PartialEq>(value: &T) -> &'static str {
     T::VALUES.iter().find(|(.., other)| other == value).map_or("", |(name, ..)| name)
+}
+
+/// Implements [`Parse`] for a type with [`NamedValues`].
+#[macro_export]
+macro_rules! parse_by_name {
+    ($($type:ty),+ $(,)?) => {$(
+        impl $crate::named::Parse for $type {
+            fn form() -> $crate::named::Form {
+                $crate::named::Form { choices: $crate::named::choices::<$type>, ..$crate::named::Form::TEXT }
+            }
+
+            fn parse(text: &str) -> ::std::result::Result<Self, ::std::string::String> {
+                $crate::named::of_name(text)
+            }
+        }
+    )+};
+}
+
+/// Returns names and meanings of the values of a type.
+pub fn choices<T: NamedValues>() -> Vec<(&'static str, &'static str)> {
+    T::VALUES.iter().map(|(name, meaning, _)| (*name, *meaning)).collect()
 }
 
 /// Implements serde for a type with [`NamedValues`]: a value is its name.

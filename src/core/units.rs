@@ -61,6 +61,38 @@ impl FromStr for Bytes {
     }
 }
 
+/// Reads a length in metres: `2m`, `50cm`, `20mm`, or a number of metres.
+pub fn parse_metres(text: &str) -> Result<f64, String> {
+    let hint = "give a length from 1mm to 10km, such as 2m, 50cm or 20mm";
+    let text = text.trim();
+    let units = [("mm", 1e-3), ("cm", 1e-2), ("km", 1e3), ("m", 1.0)];
+    let unit = units.into_iter().find_map(|(name, metres)| Some((text.strip_suffix(name)?, metres)));
+    let (digits, metres) = unit.unwrap_or((text, 1.0));
+    let metres = metres * digits.trim().parse::<f64>().map_err(|_| format!("`{text}` is not a length: {hint}"))?;
+    // The comparison is false for NaN.
+    match (0.001..=10_000.0).contains(&metres) {
+        true => Ok(metres),
+        false => Err(format!("`{text}` is out of range: {hint}")),
+    }
+}
+
+/// Reads a number of 0 or more.
+pub fn parse_amount(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|value| value.is_finite() && *value >= 0.0);
+    number.ok_or_else(|| "give a number of 0 or more".to_owned())
+}
+
+/// Reads a number above 0.
+pub fn parse_positive(text: &str) -> Result<f64, String> {
+    parse_amount(text).ok().filter(|value| *value > 0.0).ok_or_else(|| "give a number above 0".to_owned())
+}
+
+/// Reads a percentage, `2%`, `0.5 %` or `2`; `None` outside a range.
+pub fn parse_percent(text: &str, range: std::ops::RangeInclusive<f64>) -> Option<f64> {
+    let number = text.trim().trim_end_matches('%').trim_end().parse().ok()?;
+    range.contains(&number).then_some(number)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -81,5 +113,20 @@ mod tests {
             assert!((t - tilt).abs() < 1e-12 && (a - azimuth).abs() < 1e-12, "{normal}: {t} {a}");
         }
         assert_eq!(tilt_and_azimuth(DVec3::new(-1e-18, 1.0, 0.0)).1, 0.0);
+    }
+
+    /// Five lengths are read in their units, six texts are refused. Percentages keep their range.
+    #[test]
+    fn lengths_and_percentages_are_read() {
+        for (text, metres) in [("2m", 2.0), ("50 cm", 0.5), ("20mm", 0.02), ("1.5", 1.5), ("0.5km", 500.0)] {
+            assert_eq!(parse_metres(text), Ok(metres), "{text}");
+        }
+        for text in ["", "m", "2ft", "-1m", "nan", "1e9m"] {
+            assert!(parse_metres(text).is_err(), "{text}");
+        }
+        for (text, value) in [("2%", Some(2.0)), ("0.5 %", Some(0.5)), ("3", Some(3.0)), ("80%", None), ("%", None)] {
+            assert_eq!(parse_percent(text, 0.1..=50.0), value, "{text}");
+        }
+        assert!(parse_amount("-1").is_err() && parse_positive("0").is_err() && parse_positive("nan").is_err());
     }
 }

@@ -3,6 +3,7 @@
 //! under a sky, split into a part that depends on the ground's reflectance and a part that does
 //! not.
 
+use heliotile_results::SkyChoice;
 use std::collections::BTreeMap;
 
 use heliotile_core::archive::Archive;
@@ -134,7 +135,7 @@ fn surface_means(
 ) -> Result<Vec<Means>> {
     let count = conditions.len();
     let (receivers, series) = (ReceiverSet::all_of(archive)?, Series::over_ground(conditions, ground));
-    let light = LightChoice { sky: asked.sky.model(), paths: asked.paths, ..LightChoice::default() };
+    let light = LightChoice { sky: SkyChoice::Model(asked.sky.model()), paths: asked.paths, ..LightChoice::default() };
     let stream = TileStream { receivers: &receivers, light: &light, series: &series, resources: asked.resources };
     let mut found: BTreeMap<String, Means> = BTreeMap::new();
     let mut rows = receivers.receivers();

@@ -13,7 +13,7 @@ use heliotile_core::replay::bands::{OwnBand, columns_of};
 use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::site::bands::{Band, SourceScale};
 use heliotile_core::site::material::Material;
-use heliotile_scene::line_of_offset;
+use heliotile_scene::{input, line_of_offset};
 
 /// Hint that says what a file of bands may hold.
 const KEYS: &str = "give tables [[band]] with a `name` and the shares `sun` and `sky` (0 to 1); `optics` (uv, visible, par or nir) \
@@ -216,6 +216,17 @@ fn own_bands(path: &Path, text: &str) -> Result<Vec<OwnBand>> {
             Err(refuse(None, format!("states `partition = true`, but the shares `{key}` add up to {sum:.4}, not to 1")))
         }
         None => Ok(all),
+    }
+}
+
+impl heliotile_requests::Parse for BandList {
+    fn form() -> heliotile_requests::Form {
+        heliotile_requests::Form::TEXT
+    }
+
+    /// Reads the names, and the files of custom bands.
+    fn parse(text: &str) -> std::result::Result<Self, String> {
+        text.parse::<BandChoice>()?.read(&input::read).map_err(|error| error.to_string())
     }
 }
 

@@ -1,6 +1,8 @@
 //! Solar cadastre of buildings and roof faces. In: a stream of a year's sums. Out: tables of
 //! buildings and of roof faces.
 
+use heliotile_core::units::parse_amount;
+use heliotile_requests::Request;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -8,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::archives::Archives;
 use super::stream::TileStream;
 use crate::outputs::buildings::{Cadastre, Usable, building_rows, face_rows};
+use crate::outputs::tables::format::table_help;
 use crate::outputs::tables::format::{Format, files_of};
 use heliotile_builder::transfer::Shown;
 use heliotile_builder::writing::claim::same_place;
@@ -22,16 +25,20 @@ use heliotile_remote::naming::shown;
 const MORE_THAN_A_YEAR_H: f64 = 8800.0;
 
 /// Request for a solar cadastre.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, Request)]
 #[serde(default, deny_unknown_fields)]
 pub struct BuildingsRequest {
     /// Table of buildings; `-`: standard output.
+    #[field(short = 'o', default = "-", help = output_help, output = Table)]
     pub output: PathBuf,
-    /// Table of roof faces; `None`: not written.
+    /// Also write a table of roof faces; its ending chooses the format, as for --output.
+    #[field(metavar = "FILE", output = Table)]
     pub faces: Option<PathBuf>,
-    /// Least irradiation of a usable place on a roof, kWh/m2 in the year.
+    /// Least irradiation of a usable place on a roof, kWh/m2 over the weather file.
+    #[field(name = "threshold", metavar = "KWH_M2", default = BuildingsRequest::default().threshold_kwh_m2, hyphen, parse = parse_amount)]
     pub threshold_kwh_m2: f64,
-    /// Least area of a usable region, m2. A region is a set of usable places that touch.
+    /// Least area of a usable region, m2: usable places that touch one another.
+    #[field(name = "min_area", metavar = "M2", default = BuildingsRequest::default().least_m2, hyphen, parse = parse_amount)]
     pub least_m2: f64,
 }
 
@@ -111,4 +118,9 @@ pub fn check_table(output: &Path, inputs: &[&Path]) -> Result<()> {
         files_of(output).iter().try_for_each(|file| guard_output(file, inputs))?;
     }
     Format::of(output).map(drop)
+}
+
+/// Returns the help of the output.
+fn output_help() -> String {
+    table_help("Table of buildings to write")
 }

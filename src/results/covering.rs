@@ -1,6 +1,8 @@
 //! Covers a scene's surfaces with receivers. In: a scene with its objects, a request. Out:
 //! receivers by surface, buried ones included, and a table of the receivers.
 
+use heliotile_core::units::parse_metres;
+use heliotile_requests::Request;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::ops::RangeInclusive;
@@ -34,25 +36,34 @@ use heliotile_scene::site::SceneFiles;
 pub use heliotile_scene::covering::cover::Density;
 
 /// Surfaces that get receivers, and the density of the receivers.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, Request)]
 #[serde(default, deny_unknown_fields)]
 pub struct CoverRequest {
-    /// Kinds of surfaces, names of materials, or `all`; empty: roofs, walls and windows of
-    /// buildings.
+    /// Surfaces to cover: roof, wall, window, ground, floor (surfaces that face down), shade, all,
+    /// or names of materials; several with commas [default: roofs, walls and windows; of a building
+    /// energy model also outdoor floors, and only surfaces that the sun can reach].
+    #[field(delimiter = ',')]
     pub on: Vec<String>,
-    /// Types of objects; empty: buildings.
+    /// Types of city objects to cover, such as Bridge,GenericCityObject, or all [default:
+    /// buildings; all types for --on ground and names of materials].
+    #[field(delimiter = ',', metavar = "TYPES")]
     pub types: Vec<String>,
     /// Density of the receivers.
+    #[field(flatten)]
     pub density: Density,
-    /// Distance of receivers off their surfaces, metres.
+    /// Distance of receivers from their surfaces.
+    #[field(metavar = "LENGTH", default = "20mm", parse = parse_metres)]
     pub offset_m: f64,
     /// Least area of a surface that gets receivers, m2.
+    #[field(metavar = "AREA", default = 0.1, range = AREAS_M2, says = "give an area from 0 to 1e9, in square metres")]
     pub min_area_m2: f64,
     /// Part of a region to which receivers are limited. It may hold none.
     #[serde(skip)]
+    #[field(skip)]
     pub within: Option<RegionPart>,
     /// True if a scene without any such surface is no error.
     #[serde(skip)]
+    #[field(skip)]
     pub may_be_none: bool,
 }
 

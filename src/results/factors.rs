@@ -1,6 +1,7 @@
 //! Factors of receivers or groups by position of the sun. In: archives, a grid of suns. Out: five
 //! factors for each sun, name after name.
 
+use heliotile_requests::Request;
 use std::path::{Path, PathBuf};
 
 use super::buildings::check_table;
@@ -9,6 +10,7 @@ use super::resources::Resources;
 use crate::outputs::factors::FactorTable;
 use crate::outputs::groups::{GroupMeans, Groups};
 use crate::outputs::provenance::Provenance;
+use crate::outputs::tables::format::table_help;
 use crate::outputs::tables::layout::By;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::Use;
@@ -18,16 +20,26 @@ use heliotile_core::replay::run::ReplaySettings;
 use heliotile_core::replay::values::TileValues;
 
 /// Request for a table of the light that surroundings reflect on receivers, by position of the sun.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Request)]
 pub struct FactorsRequest {
     /// Table, in a format by the ending of its name; `-`: CSV on standard output.
+    #[field(short = 'o', default = "-", help = output_help, output = Table)]
     pub output: PathBuf,
-    /// Subject of a row: a receiver or a group.
+    /// Grouping of rows: what each row stands for.
+    #[field(default = "receiver")]
     pub by: By,
-    /// Step between suns, degrees of azimuth: a divisor of 360.
+    /// Step of the sun's azimuth, degrees, from 0 to 360: a divisor of 360.
+    #[field(metavar = "DEGREES", default = 10.0)]
     pub azimuth_step_deg: f64,
-    /// Step between suns, degrees of altitude: a divisor of 90.
+    /// Step of the sun's altitude, degrees, from 0.5 to 90: a divisor of 90.
+    #[field(metavar = "DEGREES", default = 5.0)]
     pub altitude_step_deg: f64,
+}
+
+impl Default for FactorsRequest {
+    fn default() -> Self {
+        FactorsRequest { output: "-".into(), by: By::Receiver, azimuth_step_deg: 10.0, altitude_step_deg: 5.0 }
+    }
 }
 
 impl FactorsRequest {
@@ -129,4 +141,9 @@ impl<'a> FactorRows<'a> {
         }
         Ok(())
     }
+}
+
+/// Returns the help of the output.
+fn output_help() -> String {
+    table_help("Table to write")
 }

@@ -2,6 +2,8 @@
 //! points that a study of modules reads.
 
 use heliotile_core::named::NamedValues;
+use heliotile_core::units::parse_amount;
+use heliotile_requests::Request;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -12,6 +14,7 @@ use super::stream::TileStream;
 use crate::outputs::buildings::{Envelope, building_of, face_of};
 use crate::outputs::pv::places::{PlaceCandidate, best_places};
 use crate::outputs::tables::column::Column;
+use crate::outputs::tables::format::table_help;
 use crate::outputs::tables::rows::{Cell, Records};
 use heliotile_builder::transfer::Shown;
 use heliotile_core::error::{Error, Result};
@@ -40,19 +43,23 @@ pub enum PlaceOn {
 }
 
 /// Request for the best places of modules.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, Request)]
 #[serde(default, deny_unknown_fields)]
 pub struct PlacesRequest {
     /// Table of places; `-`: standard output.
+    #[field(short = 'o', default = "-", help = output_help, output = Table)]
     pub output: PathBuf,
     /// Number of places, the best first.
+    #[field(metavar = "N", default = 10, range = 1..=1_000_000)]
     pub best: usize,
-    /// Width and height of a module, metres. The width is horizontal, the height goes up the
-    /// surface.
+    /// Width x height of a module, metres: the width is horizontal, the height goes up the surface.
+    #[field(metavar = "WxH", default = "1.1x1.8", parse = parse_module)]
     pub module_m: [f64; 2],
     /// Surfaces to search for places.
+    #[field(default = "roofs")]
     pub on: PlaceOn,
-    /// Height of places above their surface, metres.
+    /// Height of modules above their surface, metres.
+    #[field(metavar = "M", default = 0.1, hyphen, parse = parse_amount)]
     pub clearance_m: f64,
 }
 
@@ -159,3 +166,17 @@ impl NamedValues for PlaceOn {
 }
 
 heliotile_core::serde_by_name!(PlaceOn);
+
+heliotile_core::parse_by_name!(PlaceOn);
+
+/// Returns the help of the output.
+fn output_help() -> String {
+    table_help("Table of places to write; as CSV, `pv --points` reads it")
+}
+
+/// Reads the width and height of a module in metres, `1.1x1.8`.
+fn parse_module(text: &str) -> std::result::Result<[f64; 2], String> {
+    let metres = |side: &str| side.trim().parse().ok().filter(|metres| (0.01..=100.0).contains(metres));
+    let sides = text.split_once(['x', 'X']).and_then(|(width, height)| Some([metres(width)?, metres(height)?]));
+    sides.ok_or_else(|| "give width and height in metres, 0.01 to 100, as in 1.1x1.8".into())
+}

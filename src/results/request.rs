@@ -2,20 +2,21 @@
 //! ([`ReplayRequest`]). In: the choices of a user, from any front end. Out: these choices as one
 //! value, checked once, and the series of conditions that results are computed for.
 
+use heliotile_requests::{Form, Parse, Request};
 use std::path::{Path, PathBuf};
 
 use super::archives::Archives;
-use super::bands::BandList;
+use super::bands::{BandChoice, BandList};
 use super::doubts::{dated_rows, no_longwave, of_archive};
-use super::own_skies::SkyFiles;
+use super::own_skies::{SkyChoice, SkyFiles};
 use super::resources::Resources;
 use crate::outputs::periods::Every;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::light::paths::LightPaths;
+use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::observer::Observer;
 use heliotile_core::replay::components::{Component, ComponentList};
-use heliotile_core::replay::reflectances::{Changes, followed_files};
-use heliotile_core::sky::model::SkyModel;
+use heliotile_core::replay::reflectances::{Changes, Snow, followed_files};
 use heliotile_core::weather::conditions::Condition;
 use heliotile_core::weather::dated::DatedRows;
 use heliotile_core::weather::distance::far_apart;
@@ -26,29 +27,44 @@ use heliotile_core::weather::span::{Moment, Span};
 use heliotile_core::weather::temperatures::Temperature;
 
 /// Light that counts, and changes of its reflectances and transmittances.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Request)]
 pub struct LightChoice {
-    /// Columns, in the order of results; `None`: the usual columns of the results.
+    /// Columns to write, in this order, such as total,sun_direct. sun_reflected and sky_reflected
+    /// can be split by the kind of surface that the receiver sees, as in sun_reflected_ground and
+    /// sun_reflected_obstruction; `replay` also has longwave [default: the six components and their
+    /// total].
+    #[field(metavar = "NAMES")]
     pub columns: Option<ComponentList>,
-    /// Model of the sky's radiance distribution.
-    pub sky: SkyModel,
-    /// Number of sky patches; `None`: the number that the archive was built for.
+    /// Bands whose columns follow the others. Boxed: few requests have any.
+    #[field(metavar = "NAMES|FILE", help = BandChoice::described)]
+    pub bands: Box<BandList>,
+    /// Model of the sky's radiance distribution, or a file of radiances.
+    #[field(metavar = "NAME|FILE", default = "perez", help = SkyChoice::described, input = Any)]
+    pub sky: SkyChoice,
+    /// How a file of the sky is read, and clouds. Boxed: few requests have any.
+    #[field(flatten)]
+    pub sky_files: Box<SkyFiles>,
+    /// Number of sky patches: 145, 577 or 2305 [default: that for which the archive was built].
     pub patches: Option<usize>,
-    /// Light paths that count.
+    /// Number of diffuse reflections that count: all, or 1 to 64 (1 counts the first one only).
+    #[field(default = "all")]
+    pub bounces: MaxBounces,
+    /// Light paths that count besides direct sun and sky, their first diffuse reflection and the
+    /// sun in mirrors: all, none (as in EnergyPlus), or some of bounces (further diffuse
+    /// reflections), mirror-diffuse (diffuse light that also meets a mirror), mirror-sky (the sky
+    /// in mirrors).
+    #[field(metavar = "NAMES", default = "all")]
     pub paths: LightPaths,
     /// Reflectances and transmittances in place of those of the archive.
+    #[field(flatten)]
     pub changes: Changes,
-    /// Skies from files in place of the model's, and clouds. Boxed: few requests have any.
-    pub sky_files: Box<SkyFiles>,
-    /// Bands whose columns follow the others. Boxed: few requests have any.
-    pub bands: Box<BandList>,
 }
 
 impl Default for LightChoice {
     fn default() -> Self {
-        let (sky, paths, changes) = (SkyModel::default(), LightPaths::ALL, Changes::default());
-        let (sky_files, bands) = (Box::default(), Box::default());
-        LightChoice { columns: None, sky, patches: None, paths, changes, sky_files, bands }
+        let (sky, paths, changes) = (SkyChoice::default(), LightPaths::ALL, Changes::default());
+        let (sky_files, bands, bounces) = (Box::default(), Box::default(), MaxBounces::All);
+        LightChoice { columns: None, bands, sky, sky_files, patches: None, bounces, paths, changes }
     }
 }
 
@@ -81,7 +97,26 @@ impl LightChoice {
     /// skies, clouds and bands.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         let bands = self.bands.files.iter().map(PathBuf::as_path);
-        followed_files(&self.changes.scheduled, &self.changes.transmittance).chain(self.sky_files.files()).chain(bands)
+        let skies = self.sky.file().into_iter().chain(self.sky_files.clouds.as_deref());
+        followed_files(&self.changes.scheduled, &self.changes.transmittance).chain(skies).chain(bands)
+    }
+
+    /// Returns how skies and clouds are read from files.
+    pub fn skies(&self) -> SkyFiles {
+        SkyFiles { sky: self.sky.file().map(Path::to_path_buf), ..(*self.sky_files).clone() }
+    }
+
+    /// Returns the light paths that count. An error: more than one reflection, where only the first
+    /// one counts.
+    pub fn light_paths(&self) -> Result<LightPaths> {
+        let hint = "name `bounces` among the paths, or leave it out";
+        self.paths.with_depth(self.bounces).map_err(|what| Error::argument("bounces", what, hint))
+    }
+
+    /// Refuses choices that exclude each other, before any file is read.
+    pub(super) fn check(&self) -> Result<()> {
+        self.light_paths()?;
+        self.skies().check(self.sky.model())
     }
 
     /// Notes doubts about archives in the requested bands.
@@ -102,11 +137,14 @@ impl LightChoice {
 }
 
 /// Request for irradiance under the suns and skies of a table.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Request)]
 pub struct QueryRequest {
     /// Light that counts.
+    #[field(flatten)]
     pub light: LightChoice,
-    /// Conditions.
+    /// Table of suns and skies, CSV: condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2;
+    /// azimuths are clockwise from true north.
+    #[field(short = 'c', input = Conditions, required)]
     pub conditions: ConditionSource,
 }
 
@@ -138,28 +176,59 @@ impl From<Vec<Condition>> for ConditionSource {
 }
 
 /// Request for irradiance through a weather file.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Request)]
 pub struct ReplayRequest {
     /// Light that counts.
+    #[field(flatten)]
     pub light: LightChoice,
-    /// Weather file.
+    /// Weather file: EPW, TMY3, WEA, SURFRAD, CSV or JSON of a service (NSRDB, PVGIS, Open-Meteo,
+    /// Solcast), or any CSV or JSON with `time` and some of ghi, dni, dhi; also packed (.gz, .zip).
+    #[field(short = 'w', input = Weather, required)]
     pub weather: PathBuf,
     /// Facts about the file that it does not state itself. Air is read if the columns need it,
     /// whatever stands here.
+    #[field(flatten, heading = "About the weather file")]
     pub about_weather: WeatherOptions,
-    /// First and last moment that count; `None`: the first or last of the file.
-    pub span: (Option<Moment>, Option<Moment>),
-    /// Year that all rows are put into; `None`: the years of the file.
-    pub year: Option<i32>,
-    /// Positions of the sun in an interval; `None`: the number that the archive was built for.
-    pub steps: Option<usize>,
-    /// Period of a row of results.
+    /// Period of a row: means in W/m2 of hours, sums in kWh/m2 of longer periods.
+    #[field(default = "hour")]
     pub every: Every,
-    /// Moment of its interval that labels a row of means.
+    /// Time that labels a row of means: the start, middle or end of its interval, as 06:00, 06:30
+    /// or 07:00 for the hour from 06:00 to 07:00 (the last hour of a day ends at 00:00 of the
+    /// next); sums are labelled with the start of their period.
+    #[field(default = "start")]
     pub stamp: StampedAt,
-    /// Temperatures of the surfaces that emit longwave radiation.
+    /// Year of all dates in results, such as 2019, for example for a typical year, whose months
+    /// come from different ones. Sun positions stay those of the file's dates; 29 February is left
+    /// out if the year has none. --from and --to then refer to this year.
+    #[field(range = 1..=2999)]
+    pub year: Option<i32>,
+    /// First day that counts, such as 2019-03-01, or 03-01 of any year (for typical years and
+    /// winters), or a time such as 03-01T06:00.
+    #[field(metavar = "DAY", python = "start")]
+    pub from: Option<Moment>,
+    /// Last day that counts, up to its end; if it is before --from, that day of the next year, as
+    /// in --from 11-01 --to 02-28.
+    #[field(metavar = "DAY", python = "end")]
+    pub to: Option<Moment>,
+    /// Number of sun positions within each interval of the weather file, 1 to 60 [default: the
+    /// number per hour for which the archive was built].
+    #[field(range = 1..=60)]
+    pub steps: Option<usize>,
+    /// Change the reflectance of all ground by the weather file: its snow depth (--snow-reflectance
+    /// from 1 cm on) or its albedo.
+    pub snow: Option<Snow>,
+    /// Diffuse reflectance of snow.
+    #[field(default = 0.6, requires("snow"), range = 0.0..=1.0, says = "give a number from 0 to 1")]
+    pub snow_reflectance: f64,
+    /// Temperature of `ground` or `obstruction` surfaces for the column `longwave`: degrees
+    /// Celsius, or a CSV as for --schedule with a column `temperature_c`; may be repeated, the last
+    /// one counts [default: the weather file's dry bulb temperature].
+    #[field(name = "temperature", metavar = "CLASS=CELSIUS|FILE", input = Any)]
     pub temperatures: Vec<Temperature>,
 }
+
+/// Usual reflectance of snow.
+const USUAL_SNOW: f64 = 0.6;
 
 /// Largest number of sun positions in an interval.
 pub const MOST_STEPS: usize = 60;
@@ -181,7 +250,7 @@ impl QueryRequest {
 
     /// Refuses columns and skies that conditions cannot give, before any file is read.
     pub fn check(&self) -> Result<()> {
-        self.light.sky_files.check(self.light.sky)?;
+        self.light.check()?;
         self.light.columns.as_ref().map_or(Ok(()), no_longwave)
     }
 }
@@ -194,18 +263,26 @@ impl ReplayRequest {
             light: LightChoice::default(),
             weather: weather.into(),
             about_weather: WeatherOptions::default(),
-            span: (None, None),
-            year: None,
-            steps: None,
             every: Every::Hour,
             stamp: StampedAt::Start,
+            year: None,
+            from: None,
+            to: None,
+            steps: None,
+            snow: None,
+            snow_reflectance: USUAL_SNOW,
             temperatures: Vec::new(),
         }
     }
 
+    /// Returns the changes of reflectances and transmittances, with the snow of the weather file.
+    pub fn changes(&self) -> Changes {
+        Changes { snow: self.snow.map(|snow| (snow, self.snow_reflectance)), ..self.light.changes.clone() }
+    }
+
     /// Refuses choices that exclude each other, before any file is read.
     pub fn check(&self) -> Result<()> {
-        self.light.sky_files.check(self.light.sky)?;
+        self.light.check()?;
         if self.steps.is_some_and(|steps| !(1..=MOST_STEPS).contains(&steps)) {
             let what = format!("is not from 1 to {MOST_STEPS}");
             return Err(Error::argument("steps", what, "leave it out to use the value of the archive"));
@@ -236,7 +313,7 @@ impl ReplayRequest {
     /// Returns the rows that count, with the dates of results, and reports what is odd about these
     /// dates.
     pub fn dated(&self, weather: &Weather, observer: &dyn Observer) -> Result<DatedRows> {
-        let span = Span::new(self.span.0, self.span.1)?;
+        let span = Span::new(self.from, self.to)?;
         let (dated, years) = dated_rows(weather, &self.weather, &span, self.year, self.every)?;
         dated.warnings.iter().for_each(|text| observer.warn(text));
         years.iter().for_each(|text| observer.note(text));
@@ -260,5 +337,37 @@ impl ReplayRequest {
     /// column is requested.
     pub(super) fn longwave(&self) -> Option<&[Temperature]> {
         self.light.is_longwave().then_some(&self.temperatures)
+    }
+}
+
+impl Default for ConditionSource {
+    fn default() -> Self {
+        ConditionSource::File(PathBuf::new())
+    }
+}
+
+impl Parse for ConditionSource {
+    fn form() -> Form {
+        Form::PATH
+    }
+
+    fn parse(text: &str) -> std::result::Result<Self, String> {
+        PathBuf::parse(text).map(ConditionSource::File)
+    }
+
+    fn path(&self) -> Option<&Path> {
+        if let ConditionSource::File(file) = self { Some(file) } else { None }
+    }
+}
+
+impl Default for QueryRequest {
+    fn default() -> Self {
+        QueryRequest::of(PathBuf::new())
+    }
+}
+
+impl Default for ReplayRequest {
+    fn default() -> Self {
+        ReplayRequest::of("")
     }
 }

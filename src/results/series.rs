@@ -124,7 +124,7 @@ impl Series {
         let conditions = all.filter_map(|(condition, chosen)| chosen.then_some(condition)).collect();
         let places = chosen.iter().enumerate().filter_map(|(place, chosen)| chosen.then_some(place)).collect();
         let rows = ConditionRows { places, count: chosen.len(), file: "a weather file" };
-        let mut conditions = request.light.sky_files.over(conditions, &rows, resources)?;
+        let mut conditions = request.light.skies().over(conditions, &rows, resources)?;
         let air = weather.air.iter().zip(chosen).filter_map(|(air, chosen)| chosen.then_some(*air));
         conditions.iter_mut().zip(air).for_each(|(condition, air)| condition.air = Some(air));
         if let Some(temperatures) = request.longwave() {
@@ -149,7 +149,7 @@ impl Series {
             called: String::new(),
             source: request.weather.clone(),
             reflectances: Reflectances::Dated(
-                request.light.changes.clone(),
+                request.changes(),
                 weather.rows.as_slice().into(),
                 chosen.as_slice().into(),
             ),
@@ -268,7 +268,7 @@ impl QueryRequest {
         let changes = self.light.changes.clone();
         let count = found.len();
         let rows = ConditionRows { places: (0..count).collect(), count, file: "a table of conditions" };
-        let conditions = self.light.sky_files.over(found, &rows, resources)?;
+        let conditions = self.light.skies().over(found, &rows, resources)?;
         Ok(Series::of_conditions(conditions, changes, about.with("conditions", name)).called(called))
     }
 }

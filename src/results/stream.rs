@@ -219,9 +219,9 @@ impl<'a> TileStream<'a> {
     ) -> Result<Replay<'b>> {
         let TileStream { light, series, ref resources, .. } = *self;
         let settings = ReplaySettings {
-            sky: light.sky,
+            sky: light.sky.model(),
             patches: light.patches_of(archive),
-            paths: light.paths,
+            paths: light.light_paths()?,
             components,
             memory: resources.memory,
             storage: resources.storage,

@@ -2,6 +2,7 @@
 //! archives, weather. Out: an HTML file that holds the archives, or asks for those that are too
 //! large for it.
 
+use heliotile_requests::Request;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -23,21 +24,28 @@ use heliotile_scene::input;
 use heliotile_scene::input::weather::read_weather_as;
 
 /// Request for a page.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize, Request)]
 #[serde(default, deny_unknown_fields)]
 pub struct PageRequest {
-    /// Path or address of the archive.
+    /// Archive to show, or folder of an atlas.
+    #[field(positional, required, input = Archive)]
     pub archive: PathBuf,
-    /// Path or address of an archive of the changed site. The page shows the first archive as
-    /// before, this one as after, and the change.
+    /// Archive of the same site after a change: the page shows before, after and the change, under
+    /// one sun, weather and camera.
+    #[field(metavar = "AFTER", input = Archive)]
     pub with: Option<PathBuf>,
     /// Mode in which archives are read.
+    #[field(skip)]
     pub access: Access,
-    /// Weather file whose hours and sums are shown.
+    /// Weather file whose hours and sums are shown: EPW, TMY3, SAM, PVGIS or CSV, packed with gzip
+    /// or not.
+    #[field(short = 'w', input = Weather)]
     pub weather: Option<PathBuf>,
     /// Facts about the weather file that it does not state itself.
+    #[field(flatten, without("latitude", "longitude"), heading = "About the weather file")]
     pub about_weather: WeatherOptions,
     /// HTML file to write.
+    #[field(skip)]
     pub output: PathBuf,
 }
 

@@ -1,10 +1,12 @@
 //! Options for footprints. In: texts of command-line options and of `site.toml`. Out: where heights
 //! of buildings come from.
 
+use heliotile_requests::Request;
 use std::fmt::{self, Display};
 use std::str::FromStr;
 
 use heliotile_core::named::NamedValues;
+use heliotile_core::units::parse_metres;
 use serde::{Deserialize, Serialize};
 
 /// Default height of a storey, metres from floor to floor: what OSM's page "Simple 3D Buildings"
@@ -51,27 +53,33 @@ impl NamedValues for HeightAbove {
 heliotile_core::serde_by_name!(HeightAbove);
 
 /// Sources of the heights of footprints.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, Request)]
 #[serde(deny_unknown_fields)]
 pub struct FootprintOptions {
-    /// Height of the roof above the base: the first of these sources that a feature states counts.
-    /// Empty: the usual columns, then storeys.
+    /// Height of buildings above their base, for files of footprints: a column, or metres for all
+    /// buildings, or several, of which the first with a value counts, as in HGT,9m [default:
+    /// columns such as height and building:height, then storeys].
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[field(delimiter = ',', metavar = "COLUMN|METRES")]
     pub height: Vec<HeightSource>,
-    /// Metres from floor to floor, for features that state storeys and no height; `None`:
-    /// [`STOREY_HEIGHT_M`].
+    /// Height of a storey, for footprints that state storeys and no height [default: 3m].
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[field(metavar = "LENGTH", parse = parse_metres)]
     pub storey_height_m: Option<f64>,
-    /// Height of the base in the scene; `None`: the lowest ground below the outline, or 0 without
-    /// ground.
+    /// Base of buildings from footprints: a column, or metres [default: the lowest terrain below
+    /// the outline, 0 without terrain].
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[field(metavar = "COLUMN|METRES")]
     pub base: Option<HeightSource>,
-    /// Level from which columns of heights count; `None`: the base. Metres for all features and
-    /// storeys always count from the base.
+    /// Level from which columns of heights count: the base, or the sea for absolute heights of
+    /// roofs, from which the terrain below or --base is taken [default: base].
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[field(metavar = "LEVEL")]
     pub height_above: Option<HeightAbove>,
-    /// Names of the layers that are read of files with several. Empty: those of buildings.
+    /// Layer to read of a GeoPackage with several; may be given more than once [default: the layers
+    /// of buildings by their names, else all].
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[field(metavar = "NAME")]
     pub layer: Vec<String>,
 }
 
@@ -156,6 +164,9 @@ impl Display for HeightSource {
         }
     }
 }
+
+heliotile_core::parse_by_name!(HeightAbove);
+heliotile_requests::parse_by_text!(HeightSource: heliotile_requests::Form::TEXT);
 
 #[cfg(test)]
 mod tests {

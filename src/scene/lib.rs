@@ -117,8 +117,8 @@ pub struct Scene {
     pub objects: MeshObjects,
     /// Place on Earth, if a file states it; not hashed by [`Scene::content_hash`].
     pub place: Option<Place>,
-    /// True if azimuths in tables of points count from the y axis, in place of true north; not hashed
-    /// by [`Scene::content_hash`].
+    /// True if azimuths in tables of points count from the y axis, in place of true north; not
+    /// hashed by [`Scene::content_hash`].
     pub grid_north: bool,
     /// Monthly ground reflectances, if an EnergyPlus model states them; the ground's material has
     /// their mean. Not hashed by [`Scene::content_hash`].

@@ -80,6 +80,8 @@ pub(crate) fn doubt(stated: Option<ModelVersion>, file: &Path) -> Option<String>
     }
 }
 
+heliotile_requests::parse_by_text!(ModelVersion: heliotile_requests::Form::TEXT);
+
 #[cfg(test)]
 mod tests {
     use std::path::Path;

@@ -1,6 +1,7 @@
 //! Request for a scene. In: files, and statements about them. Out: one value that can be stored and
 //! read again, and the site that it describes.
 
+use heliotile_requests::Request;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -13,34 +14,47 @@ use crate::surface_rasters::SurfaceRasters;
 use heliotile_core::error::{Error, Result};
 
 /// Request for a scene: its files, and statements about them.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, Request)]
 #[serde(deny_unknown_fields)]
+#[request(any_of("scene", "dsm", "dem", "canopy", "landcover"))]
 pub struct SceneRequest {
-    /// Scene files, or `site.toml` files that list them.
+    /// Scene files, merged into one scene, or a site.toml that lists them: CityJSON (.city.json,
+    /// .city.jsonl, .cityjson), CityGML (.gml, .xml, or a folder of tiles), footprints (.geojson,
+    /// .shp, .gpkg, .parquet), terrain (.tif, .asc, .dem), EnergyPlus (.epjson, .idf), Honeybee
+    /// (.hbjson), glTF (.gltf, .glb), .obj, .ply, .stl; also packed (.gz, .zip). Coordinates are
+    /// metres, x east, y north, z up; footprints and CityGML may be in degrees.
+    #[field(name = "scene", positional, metavar = "SCENE", input = Scene)]
     pub files: Vec<PathBuf>,
-    /// File of optics by the names of materials; they take precedence over those that the scene
-    /// files state.
+    /// File of reflectances (TOML), one table for each material name. They replace those of the
+    /// scene files; materials without a table keep their own values, or get usual ones.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[field(short = 'm', input = Any)]
     pub materials: Option<PathBuf>,
-    /// True if `materials` names all of them and the scene files' own descriptions are ignored.
+    /// Ignore the materials of the scene files; --materials has to describe all of them.
     #[serde(default)]
     pub materials_only: bool,
-    /// True if no ground is assumed for a scene without ground.
+    /// Add no ground to a scene that has none [default: add a plane below it; for an EnergyPlus
+    /// model, as the model states].
     #[serde(default)]
     pub no_ground: bool,
-    /// Version of EnergyPlus that is assumed for models; `None`: the version that each model
-    /// states.
+    /// Read EnergyPlus models as models of this version, whatever version they state; it decides
+    /// what the fields of an IDF mean. With 25.2, `energyplus` accepts models of any version, for
+    /// EnergyPlus 25.2 to run as they are.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[field(metavar = "VERSION")]
     pub assume_version: Option<ModelVersion>,
     /// Sources of the heights of footprints, unless a list of files states them.
     #[serde(default, skip_serializing_if = "FootprintOptions::is_default")]
+    #[field(flatten)]
     pub footprints: FootprintOptions,
     /// Place and rotation of the scene, and unit of its files.
     #[serde(default)]
+    #[field(flatten)]
     pub frame: SiteFrame,
     /// Rasters that a city is read from, besides the files.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub surface: Option<SurfaceRasters>,
+    #[serde(default, skip_serializing_if = "SurfaceRasters::is_none")]
+    #[field(flatten)]
+    pub surface: SurfaceRasters,
 }
 
 impl SceneRequest {
@@ -56,7 +70,7 @@ impl SceneRequest {
         self.frame.check().map_err(|(field, what)| Error::argument(field, what, hint))?;
         self.footprints.check().map_err(|(field, what)| Error::argument(field, what, "give metres above 0"))?;
         let mut site = SceneFiles::of(&self.files, self.materials.as_deref())?;
-        if let Some(rasters) = &self.surface {
+        if let Some(rasters) = &self.surface.settled() {
             let hint =
                 if rasters.dsm.as_os_str().is_empty() { SurfaceRasters::NEEDED } else { "give a value in that range" };
             rasters.check().map_err(|(field, what)| Error::argument(field, what, hint))?;
@@ -75,8 +89,8 @@ impl SceneRequest {
 
     /// Returns the first file, which stands for the scene in messages.
     pub fn first(&self) -> &Path {
-        let raster = self.surface.as_ref().map(|rasters| &rasters.dsm);
-        self.files.first().or(raster).map_or(Path::new(""), PathBuf::as_path)
+        let raster = self.surface.all().next();
+        self.files.first().map(PathBuf::as_path).or(raster).unwrap_or(Path::new(""))
     }
 }
 

@@ -1,39 +1,52 @@
 //! Request for rasters that a city is read from. In: paths and numbers. Out: one value that can be
 //! stored and read again.
 
+use heliotile_requests::Request;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
 /// A raster of surface heights with its companions, and the limits that tell buildings and crowns
 /// from the ground.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, Request)]
 #[serde(deny_unknown_fields)]
 pub struct SurfaceRasters {
-    /// Heights of roofs and ground above sea level (DSM); the same file as `dem` for trees alone.
+    /// Raster of surface heights above sea level (DSM: .tif, .asc): its steps become walls, the
+    /// flat and sloping areas between them roofs; no other scene file is needed with it.
+    #[field(metavar = "FILE", input = Scene)]
     pub dsm: PathBuf,
-    /// Heights of the ground above sea level (DEM, DTM); beyond the surface it goes on as terrain.
+    /// Raster of ground heights above sea level (DEM, DTM): parts of --dsm that are at least 2 m
+    /// higher are buildings, and it continues beyond --dsm as terrain; with --canopy and without
+    /// --dsm, ground with trees alone.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[field(metavar = "FILE", input = Scene)]
     pub dem: Option<PathBuf>,
-    /// Heights of crowns above the ground (CDSM); 0 where there is no crown.
+    /// Raster of the heights of tree crowns above the ground (CDSM): crowns become canopies of the
+    /// group `trees` that let 3 % of the light through.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[field(metavar = "FILE", input = Scene)]
     pub canopy: Option<PathBuf>,
-    /// Codes of land cover as UMEP has them.
+    /// Raster of land cover in UMEP's codes: 1 paved, 2 buildings, 5 grass, 6 bare soil, 7 water.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[field(metavar = "FILE", input = Scene)]
     pub landcover: Option<PathBuf>,
     /// Least height of a step between roofs and, without a `dem`, between roof and ground, metres.
     /// `None`: 2 m, or a slope of 2 if cells are larger than 1 m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[field(skip)]
     pub step_m: Option<f64>,
     /// Least area of a building, m2; `None`: [`SurfaceRasters::LEAST_BUILDING_M2`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[field(skip)]
     pub least_building_m2: Option<f64>,
     /// Share of a crown's height above the ground that is open below it; `None`:
     /// [`SurfaceRasters::TRUNK_SHARE`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[field(skip)]
     pub trunk_share: Option<f64>,
     /// Share of the light that goes through a whole crown; `None`: [`SurfaceRasters::LEAF_ON`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[field(skip)]
     pub crown_transmittance: Option<f64>,
 }
 
@@ -56,17 +69,34 @@ impl SurfaceRasters {
     /// Rasters without which no other one has a meaning.
     pub const NEEDED: &str = "give the heights of the surface ({dsm}), or those of the ground ({dem}) and of crowns ({canopy}) for trees alone";
 
-    /// Returns a request for the rasters that are given, or `None` if none is. Without a surface
-    /// the ground below crowns is one; [`SurfaceRasters::check`] refuses any other lack of it.
+    /// Returns true if no raster is given.
+    pub fn is_none(&self) -> bool {
+        *self == SurfaceRasters::default()
+    }
+
+    /// Returns the rasters, or `None` if none is given. Without a surface the ground below crowns
+    /// is one; [`SurfaceRasters::check`] refuses any other lack of it.
+    pub fn settled(&self) -> Option<Self> {
+        let ground = self.dem.clone().filter(|_| self.canopy.is_some() && self.dsm.as_os_str().is_empty());
+        let dsm = ground.unwrap_or_else(|| self.dsm.clone());
+        (!self.is_none()).then(|| SurfaceRasters { dsm, ..self.clone() })
+    }
+
+    /// Returns the settled rasters of these files, or `None` if none is given.
     pub fn of_files(
         dsm: Option<PathBuf>,
         dem: Option<PathBuf>,
         canopy: Option<PathBuf>,
         landcover: Option<PathBuf>,
     ) -> Option<Self> {
-        let ground = dem.clone().filter(|_| canopy.is_some());
-        let found = SurfaceRasters { dem, canopy, landcover, ..SurfaceRasters::of(dsm.or(ground).unwrap_or_default()) };
-        (found != SurfaceRasters::default()).then_some(found)
+        let dsm = dsm.unwrap_or_default();
+        SurfaceRasters { dem, canopy, landcover, ..SurfaceRasters::of(dsm) }.settled()
+    }
+
+    /// Returns the paths that are given, `dsm` first.
+    pub fn all(&self) -> impl Iterator<Item = &Path> {
+        let given = [Some(&self.dsm), self.dem.as_ref(), self.canopy.as_ref(), self.landcover.as_ref()];
+        given.into_iter().flatten().map(PathBuf::as_path).filter(|path| !path.as_os_str().is_empty())
     }
 
     /// Returns true if the surface is the ground itself: nothing stands on it but trees.

@@ -257,10 +257,10 @@ fn maps_add_up() {
 }
 
 /// A wall is seen out of a small box of screen, in a large box of gauze: the sun goes through the
-/// gauze, its light from the wall through the screen. sun_reflected and sky_reflected are the open ones
-/// x 0.3 x 0.6, and so are sun_direct and sky_direct, within 1e-5 when all are derived. With the
-/// stored response, reflected light is within three times the RMS that its coding may add to a sun
-/// of 700 or 800 W/m2.
+/// gauze, its light from the wall through the screen. sun_reflected and sky_reflected are the open
+/// ones x 0.3 x 0.6, and so are sun_direct and sky_direct, within 1e-5 when all are derived. With
+/// the stored response, reflected light is within three times the RMS that its coding may add to a
+/// sun of 700 or 800 W/m2.
 #[test]
 fn reflected_light_is_dimmed_on_both_legs() {
     let mut triangles = quad(v(-50.0, 5.0, 0.0), v(100.0, 0.0, 0.0), v(0.0, 0.0, 60.0), 0);

@@ -240,9 +240,9 @@ fn a_lake_reflects_by_fresnel_at_low_sun() {
 
 /// Before a boundless mirror wall of 0.8 a vertical receiver sees 0.4 of the open sky in it and
 /// none besides. Ground of 0.3, which gets the sky and the sun twice, once by the mirror (0.8),
-/// fills the lower half, half of it in the mirror: sky_reflected and sun_reflected are 0.3 x (1 + 0.8)
-/// / 2 x (the share seen directly + 0.8 x the share seen in the mirror), all within 1.5 %. One and
-/// all bounces are alike.
+/// fills the lower half, half of it in the mirror: sky_reflected and sun_reflected are 0.3 x (1 +
+/// 0.8) / 2 x (the share seen directly + 0.8 x the share seen in the mirror), all within 1.5 %. One
+/// and all bounces are alike.
 #[test]
 fn ground_before_a_mirror_is_lit_twice() {
     let wall = quad(v(-4000.0, 0.0, 0.0), v(8000.0, 0.0, 0.0), v(0.0, 0.0, 4000.0), 0);

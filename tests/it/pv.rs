@@ -267,7 +267,7 @@ fn wrong_input_is_refused_with_file_and_line() {
             "point,x,y,z,tilt,azimuth\na,20,5,1,30,180\na,21,5,1,30,180\n",
             &["line 3", "the name of the point in line 2 too"],
         ),
-        ("point,x,y,z\na,20,5,1\n", &["column `tilt` is missing"]),
+        ("point,x,y,z\na,20,5,1\n", &["columns `tilt_deg` and `azimuth_deg`, or"]),
     ] {
         folder.write("points.csv", text);
         folder.refused(&pv("--no-ground --points points.csv"), parts);

@@ -5,6 +5,7 @@
 mod layers;
 mod sun_position;
 
+use heliotile_requests::Request;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -27,38 +28,59 @@ use layers::{Image, layers_of};
 pub use sun_position::SunPosition;
 
 /// Request for an export.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, Request)]
 #[serde(default, deny_unknown_fields)]
 pub struct ExportRequest {
-    /// Path or address of an archive or of an atlas.
+    /// Archive to read, or the folder of an atlas: a path or an address.
+    #[field(name = "archive", positional, required, input = Archive)]
     pub place: PathBuf,
-    /// How files are read.
+    /// How the archive is read.
+    #[field(name = "io", default = "map", neutral)]
     pub access: Access,
     /// File to write: `.exr` or `.png` of a receiver; otherwise a table of view factors, `-` for
     /// standard output.
+    #[field(skip)]
     pub output: PathBuf,
-    /// Receiver whose layers are exported; `None` for the view factors of all receivers.
+    /// Export the layers of this receiver.
+    #[field(short = 'r', metavar = "ID")]
     pub receiver: Option<String>,
-    /// True if six pictures of the light of the sun are drawn in place of one.
+    /// Draw six fisheye pictures in place of one: what is seen, the light of --sun by its paths,
+    /// and their sum, on one scale.
+    #[field(requires("sun"), conflicts("weather", "latitude"))]
     pub panel: bool,
-    /// Sun that lights the maps of values, and whose place is drawn in a picture.
+    /// Azimuth (clockwise from true north) and altitude of a sun, degrees: an .exr gets maps of its
+    /// light, a .png its position.
+    #[field(metavar = "AZIMUTH,ALTITUDE", hyphen)]
     pub sun: Option<SunPosition>,
     /// Direct normal irradiance of that sun, W/m2.
+    #[field(metavar = "W/M2", default = 0.0, requires("sun"), range = 0.0..=ExportRequest::MOST_W_M2, says = "give a number from 0 to 1000000, W/m2")]
     pub dni_w_m2: f64,
     /// Diffuse horizontal irradiance of the sky around it, W/m2.
+    #[field(metavar = "W/M2", default = 0.0, requires("sun"), range = 0.0..=ExportRequest::MOST_W_M2, says = "give a number from 0 to 1000000, W/m2")]
     pub dhi_w_m2: f64,
     /// Model of the sky's radiance.
+    #[field(default = "perez", requires("sun"), help = SkyModel::described)]
     pub sky: SkyModel,
-    /// Number of sky patches; `None` for the number that the archive was built for.
+    /// Number of sky patches: 145, 577 or 2305 [default: that for which the archive was built].
+    #[field(requires("sun"))]
     pub patches: Option<usize>,
-    /// Largest number of diffuse reflections.
+    /// Number of diffuse reflections that count: all, or 1 to 64 (1 counts the first one only).
+    #[field(default = "all", requires("sun"))]
     pub bounces: MaxBounces,
-    /// Weather file for whose place and clock the sun's paths are drawn.
+    /// Weather file. A .png shows the sun's paths over its place (the archive's, if the file states
+    /// none), with hours of the file's clock; a page of --html shows its weather.
+    #[field(short = 'w', metavar = "FILE", conflicts("latitude"), input = Weather)]
     pub weather: Option<PathBuf>,
     /// Options for facts that the weather file does not state.
+    #[field(
+        flatten,
+        without("latitude", "longitude", "shift", "weather_stamp", "date_order"),
+        heading = "About the weather file"
+    )]
     pub about_weather: WeatherOptions,
-    /// Latitude for which the sun's paths are drawn in place of that of a weather file, degrees,
-    /// north positive.
+    /// Latitude, degrees, north positive, for which a .png shows the sun's paths; hours are mean
+    /// solar time.
+    #[field(metavar = "DEGREES", range = -90.0..=90.0, says = "give degrees from -90 to 90, north positive")]
     pub latitude_deg: Option<f64>,
 }
 

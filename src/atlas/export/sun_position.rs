@@ -74,6 +74,8 @@ impl FromStr for SunPosition {
     }
 }
 
+heliotile_requests::parse_by_text!(SunPosition: heliotile_requests::Form::TEXT);
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -71,7 +71,8 @@ pub struct Trial {
 pub struct Irradiances {
     /// Number of conditions, the faster axis of `rows`.
     pub conditions: usize,
-    /// Rows of the six components, and of sun_reflected and sky_reflected after a single reflection.
+    /// Rows of the six components, and of sun_reflected and sky_reflected after a single
+    /// reflection.
     pub rows: Vec<[f32; 8]>,
 }
 

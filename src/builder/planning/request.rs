@@ -1,8 +1,9 @@
 //! Request of a user for a build. In: the accuracy wanted, light paths, weather. Out: a plan, an
 //! archive, and reports of both to an observer.
 
+use heliotile_requests::Request;
 use std::ops::RangeInclusive;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
@@ -11,29 +12,37 @@ use crate::accuracy::conditions::ErrorConditions;
 use crate::pipeline::{Build, BuildReport, Output, Plan, ReusedArchives};
 use crate::settings::{BuildSettings, EffectChoice, Quality, Rungs, Share};
 use crate::store::{Folder, Store, StoreKey, open_all};
+use crate::writing::claim::same_place;
 use heliotile_core::archive::Archive;
 use heliotile_core::error::{Error, Result};
+use heliotile_core::units::parse_percent;
 use heliotile_core::weather::options::WeatherOptions;
 
 /// Accuracy that a user wants of a build.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, Request)]
 #[serde(deny_unknown_fields)]
 pub struct AccuracyRequest {
-    /// Rung of the accuracy ladder.
+    /// Accuracy level: a named set of settings, from fast to accurate.
     #[serde(default)]
+    #[field(default = "standard", conflicts("error"))]
     pub quality: Quality,
-    /// Settings by name that replace those of the rung, such as `hit=16`.
+    /// Change one setting of the accuracy level, such as `--set hit=16 --set sky_fine=512`; `info`
+    /// of an archive lists the settings; may be repeated.
     #[serde(default)]
+    #[field(metavar = "NAME=VALUE")]
     pub set: Vec<String>,
-    /// Error target: largest RMSE of hourly totals, percent of their mean. A pilot then chooses the
-    /// settings.
+    /// Largest error to accept, the RMSE of hourly totals in percent of their mean, such as 2%:
+    /// settings are tried on some of the receivers, and the cheapest that keep it are used.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[field(metavar = "PERCENT", conflicts("set"), parse = parse_error)]
     pub error_percent: Option<f64>,
-    /// Weather file under which errors are estimated; `None` uses suns from all sides.
+    /// Weather file under which the errors of --error are estimated [default: suns from all sides].
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[field(metavar = "FILE", requires("error"), input = Weather)]
     pub error_weather: Option<PathBuf>,
     /// Options for reading the weather file.
     #[serde(default, skip_serializing_if = "says_nothing")]
+    #[field(skip)]
     pub weather_options: WeatherOptions,
 }
 
@@ -57,6 +66,23 @@ impl AccuracyRequest {
         self.set.iter().try_for_each(|text| settings.set(text))?;
         settings.check()?;
         Ok(settings)
+    }
+}
+
+impl AccuracyRequest {
+    /// Returns the request of a command that reads `weather` too, with statements about it. They
+    /// describe the weather file for errors only if that is the same file, or if the command reads
+    /// no other.
+    #[must_use]
+    pub fn beside(&self, weather: Option<&Path>, about: &WeatherOptions) -> AccuracyRequest {
+        let of_errors = self.error_weather.as_deref();
+        let is_same = |weather: &Path| of_errors.is_some_and(|of_errors| same_place(of_errors, weather));
+        let is_stated = self.weather_options != WeatherOptions::default();
+        let weather_options = match is_stated || !weather.is_none_or(is_same) {
+            true => self.weather_options,
+            false => WeatherOptions { with_air: false, ..*about },
+        };
+        AccuracyRequest { weather_options, ..self.clone() }
     }
 }
 
@@ -162,6 +188,32 @@ impl Build<'_> {
         }
         Ok(BuildDone { plan: planned.plan, report })
     }
+}
+
+/// Smallest share that may be left out, percent: below, noise of the reference path tracer exceeds
+/// the light.
+const LEAST_NEGLIGIBLE: f64 = 0.001;
+
+fn parse_error(text: &str) -> std::result::Result<f64, String> {
+    let (least, most) = (AccuracyRequest::ERRORS.start(), AccuracyRequest::ERRORS.end());
+    parse_percent(text, *least..=*most)
+        .ok_or_else(|| format!("`{text}` is not a possible largest error: give {least} to {most} percent, as in 2%"))
+}
+
+/// Reads the share of light that may be left out, percent: `0.5%`.
+pub fn parse_negligible(text: &str) -> std::result::Result<f64, String> {
+    let most = AccuracyRequest::ERRORS.end();
+    parse_percent(text, LEAST_NEGLIGIBLE..=*most).ok_or_else(|| {
+        format!("`{text}` is not a share that can be left out: give {LEAST_NEGLIGIBLE} to {most} percent, as in 0.5%")
+    })
+}
+
+/// Reads the bound of a preview, percent: `1%`.
+pub fn parse_preview(text: &str) -> std::result::Result<f64, String> {
+    let (least, most) = (PREVIEWS.start(), PREVIEWS.end());
+    parse_percent(text, PREVIEWS).ok_or_else(|| {
+        format!("`{text}` is not a possible bound of a preview: give {least} to {most} percent, as in 1%")
+    })
 }
 
 #[cfg(test)]

@@ -80,10 +80,11 @@ impl Effects {
 }
 
 /// Effects that the user wants to be traced.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Default)]
 #[serde(into = "String", try_from = "String")]
 pub enum EffectChoice {
     /// Effects that the scene calls for.
+    #[default]
     Auto,
     /// Exactly these effects.
     These(Effects),
@@ -139,6 +140,8 @@ impl FromStr for EffectChoice {
         }
     }
 }
+
+heliotile_requests::parse_by_text!(EffectChoice: heliotile_requests::Form::TEXT);
 
 #[cfg(test)]
 mod tests {

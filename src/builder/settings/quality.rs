@@ -43,3 +43,5 @@ impl NamedValues for Quality {
         ("reference", "To measure the errors of the others against", Quality::Reference),
     ];
 }
+
+heliotile_core::parse_by_name!(Quality);

@@ -186,6 +186,8 @@ impl NamedValues for Share {
     ];
 }
 
+heliotile_core::parse_by_name!(Share);
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -113,6 +113,8 @@ impl NamedValues for Access {
 
 crate::serde_by_name!(Access);
 
+crate::parse_by_name!(Access);
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -77,6 +77,27 @@ impl FromStr for LightPaths {
     }
 }
 
+heliotile_requests::parse_by_text!(LightPaths: heliotile_requests::Form::TEXT);
+
+/// Reads a number of diffuse reflections, or `all`.
+pub fn parse_depth(text: &str) -> Result<MaxBounces, String> {
+    match (text, text.parse::<u32>()) {
+        ("all", _) => Ok(MaxBounces::All),
+        (_, Ok(count)) if MaxBounces::COUNTS.contains(&count) => Ok(MaxBounces::Count(count)),
+        _ => Err("give `all` or a number of reflections from 1 to 64".into()),
+    }
+}
+
+impl heliotile_requests::Parse for MaxBounces {
+    fn form() -> heliotile_requests::Form {
+        heliotile_requests::Form::TEXT
+    }
+
+    fn parse(text: &str) -> Result<Self, String> {
+        parse_depth(text)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

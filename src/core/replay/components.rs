@@ -379,6 +379,8 @@ impl FromStr for ComponentList {
     }
 }
 
+heliotile_requests::parse_by_text!(ComponentList: heliotile_requests::Form::TEXT);
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -418,8 +420,8 @@ mod tests {
         assert!(!list.set().needs(Component::SunDirect));
     }
 
-    /// An unknown name is refused with all 18 names, an empty one and a repeated one too: 3 of 3. 2 of
-    /// 2 names of earlier versions are refused with the name of today.
+    /// An unknown name is refused with all 18 names, an empty one and a repeated one too: 3 of 3. 2
+    /// of 2 names of earlier versions are refused with the name of today.
     #[test]
     fn unknown_empty_and_repeated_names_are_refused() {
         let refused = |text: &str| text.parse::<ComponentList>().expect_err(text);

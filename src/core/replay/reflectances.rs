@@ -2,6 +2,7 @@
 //! archive's materials, the weather. Out: checked schedules of materials.
 
 use crate::named::NamedValues;
+use heliotile_requests::Request;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -67,16 +68,23 @@ pub struct Changeable<'a> {
 
 /// Changes of reflectances and transmittances. Later entries win over earlier ones, constants over
 /// the archive's monthly values, schedules over constants, snow over all of them.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Request)]
 pub struct Changes {
-    /// Group, material or class, and its diffuse reflectance.
+    /// Change a diffuse reflectance: GROUP=0.6, or a material's name, `ground` or `obstruction` in
+    /// place of the group; may be repeated, the last one counts.
+    #[field(name = "reflectance", metavar = "GROUP=VALUE", parse = parse_reflectance)]
     pub constant: Vec<(String, f64)>,
-    /// Group, material or class, and the file of its schedule.
+    /// Change a diffuse reflectance over time: a CSV with a column `reflectance` and a line for
+    /// each condition, for each row of the weather file, or for each of 12 months; may be repeated.
+    #[field(name = "schedule", metavar = "GROUP=FILE", parse = parse_named, input = Any)]
     pub scheduled: Vec<(String, PathBuf)>,
     /// Source of the snow cover, and the reflectance of snow.
+    #[field(skip)]
     pub snow: Option<(Snow, f64)>,
-    /// Group, material or class of canopies, and the share of light that comes through at each
-    /// crossing.
+    /// Change the transmittance of canopies, the share of light that each of their faces lets
+    /// through: GROUP=0.4, or a CSV as for --schedule, with a column `transmittance` (leaves by
+    /// season); may be repeated, the last one counts.
+    #[field(metavar = "GROUP=VALUE|FILE", parse = parse_named, input = Any)]
     pub transmittance: Vec<(String, ConstantOrFile)>,
 }
 
@@ -315,6 +323,40 @@ impl NamedValues for Snow {
         ("depth", "The snow's reflectance wherever the snow depth is 1 cm or more", Snow::Depth),
         ("albedo", "The column `albedo`, wherever it has a value", Snow::Albedo),
     ];
+}
+
+crate::parse_by_name!(Snow);
+impl heliotile_requests::Parse for ConstantOrFile {
+    fn form() -> heliotile_requests::Form {
+        heliotile_requests::Form::TEXT
+    }
+
+    fn parse(text: &str) -> std::result::Result<Self, String> {
+        text.parse()
+    }
+
+    fn path(&self) -> Option<&Path> {
+        if let ConstantOrFile::File(file) = self { Some(file) } else { None }
+    }
+}
+
+/// Reads `NAME=VALUE`: a group, material or class, and its value.
+pub fn parse_named<T: FromStr<Err: std::fmt::Display>>(text: &str) -> std::result::Result<(String, T), String> {
+    // The last equals sign counts: a name may hold one, a number does not.
+    match text.rsplit_once('=') {
+        Some((name, value)) if !name.is_empty() => {
+            let value = value.trim().parse().map_err(|error| format!("`{value}`: {error}"))?;
+            Ok((name.to_string(), value))
+        }
+        _ => Err("give a group or a material, an equals sign and a value".into()),
+    }
+}
+
+fn parse_reflectance(text: &str) -> std::result::Result<(String, f64), String> {
+    match parse_named(text)? {
+        (name, value) if (0.0..=1.0).contains(&value) => Ok((name, value)),
+        (_, value) => Err(format!("a reflectance is from 0 to 1, not {value}")),
+    }
 }
 
 #[cfg(test)]

@@ -205,6 +205,8 @@ impl fmt::Display for SkyModel {
     }
 }
 
+heliotile_requests::parse_by_text!(SkyModel: heliotile_requests::Form::TEXT);
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -151,6 +151,8 @@ impl CloudLayer {
     }
 }
 
+crate::parse_by_name!(SkyScale);
+
 #[cfg(test)]
 #[path = "own_skies_tests.rs"]
 mod tests;

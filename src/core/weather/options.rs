@@ -1,6 +1,7 @@
 //! Statements of a user about a weather file, where the file makes none or wrong ones. In: options
 //! as text. Out: checked values.
 
+use heliotile_requests::Request;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -9,26 +10,36 @@ use crate::weather::time::clock_zone::ClockZone;
 use std::str::FromStr;
 
 /// Options for reading a weather file. The default takes the statements of the file.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, Request)]
 #[serde(default, deny_unknown_fields)]
 pub struct WeatherOptions {
-    /// Latitude, north positive, in place of the file's.
+    /// Latitude of the weather, degrees, north positive, in place of that of the file [default if
+    /// the file states none: that of the scene].
+    #[field(metavar = "DEGREES", range = -90.0..=90.0, says = "give degrees from -90 to 90, north positive")]
     pub latitude_deg: Option<f64>,
-    /// Longitude, east positive, in place of the file's.
+    /// Longitude of the weather, degrees, east positive, in place of that of the file.
+    #[field(metavar = "DEGREES", range = -180.0..=180.0, says = "give degrees from -180 to 180, east positive")]
     pub longitude_deg: Option<f64>,
-    /// Clock of the file, in place of the file's own: standard time, or the legal time of a zone by
-    /// name, by which days then go. In JSON `zone_hours`: a number of hours ahead of UTC, or a text
-    /// such as `+01:00` or `Europe/Amsterdam`.
+    /// Time zone of the weather file's clock, in place of that of the file: hours ahead of UTC,
+    /// such as +01:00, -7 or UTC, or a name, such as Europe/Amsterdam, with its summer time. If its
+    /// time stamps state an offset, the zone of days and labels in results.
     #[serde(rename = "zone_hours", deserialize_with = "zone_of", serialize_with = "zone_as_stated")]
+    #[field(name = "time_zone", metavar = "ZONE", hyphen, parse = parse_zone)]
     pub zone: Option<ClockZone>,
-    /// Shift of the time stamps.
+    /// Shift of the weather file's time stamps, such as 41min, -30min or 0.5h; `auto` chooses the
+    /// shift under which GHI, DNI and DHI agree best, if they agree clearly better.
+    #[field(metavar = "TIME", hyphen)]
     pub shift: TimeShift,
-    /// Place of a time stamp in its interval, in place of what is usual for the format.
+    /// Position of the weather file's time stamps in their intervals; middle for values at one
+    /// moment [default: as the format, the names of columns or hours 1 to 24 imply; start for plain
+    /// CSV].
+    #[field(name = "weather_stamp")]
     pub stamped_at: Option<StampedAt>,
-    /// Order of dates that start with a day or a month, in place of the order that the whole column
-    /// shows.
+    /// Order of day and month in the weather file's dates of three numbers, such as 01/06/2021
+    /// [default: what the whole column shows].
     pub date_order: Option<DateOrder>,
     /// True if the air of every row is read, too, from which longwave irradiance is computed.
+    #[field(skip)]
     pub with_air: bool,
 }
 
@@ -186,6 +197,15 @@ impl NamedValues for DateOrder {
 }
 
 crate::serde_by_name!(StampedAt, DateOrder);
+
+crate::parse_by_name!(StampedAt, DateOrder);
+heliotile_requests::parse_by_text!(TimeShift: heliotile_requests::Form::TEXT);
+
+/// Reads a time zone. An error says what to give.
+pub fn parse_zone(text: &str) -> std::result::Result<ClockZone, String> {
+    let hint = "give hours ahead of UTC, -12 to 14, such as +01:00, -7, 5.5 or UTC, or a name such as Europe/Amsterdam";
+    text.parse().map_err(|_| hint.into())
+}
 
 #[cfg(test)]
 mod tests {

@@ -194,6 +194,8 @@ impl fmt::Display for Span {
     }
 }
 
+heliotile_requests::parse_by_text!(Moment: heliotile_requests::Form::TEXT);
+
 #[cfg(test)]
 mod tests {
     use super::*;

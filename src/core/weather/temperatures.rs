@@ -110,6 +110,20 @@ pub fn emissions(
     Ok(emissions)
 }
 
+impl heliotile_requests::Parse for Temperature {
+    fn form() -> heliotile_requests::Form {
+        heliotile_requests::Form::TEXT
+    }
+
+    fn parse(text: &str) -> std::result::Result<Self, String> {
+        text.parse().map_err(|error| format!("{error}"))
+    }
+
+    fn path(&self) -> Option<&std::path::Path> {
+        self.file()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -6,6 +6,9 @@ mod pages;
 mod runs;
 mod stripped;
 
+use heliotile_core::units::parse_metres;
+use heliotile_requests::Request;
+use heliotile_scene::placing::frame::parse_crs;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
@@ -47,38 +50,79 @@ const OFFSET_M: f64 = 0.02;
 const REPORT: [&str; 2] = ["report.md", "report.html"];
 
 /// Request for an EnergyPlus model.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, Request)]
 #[serde(default, deny_unknown_fields)]
 pub struct EnergyplusRequest {
-    /// Model file: .idf or .epJSON.
+    /// EnergyPlus model, .idf or .epJSON, of version 24.1 to 25.2; with --assume-version 25.2 of
+    /// any version that EnergyPlus 25.2 runs.
+    #[field(positional, metavar = "MODEL", input = Scene)]
     pub model: PathBuf,
-    /// Files of the surroundings.
+    /// Scene files of the surroundings: CityJSON, terrain, meshes, site.toml; in the coordinates of
+    /// the model, unless --at is given.
+    #[field(metavar = "SCENE", several, input = Scene)]
     pub scene: Vec<PathBuf>,
-    /// Position of the model's origin in the coordinates of the surroundings, metres.
+    /// Position of the model's origin in the coordinates of --scene, metres: east,north or
+    /// east,north,up. The model is turned so that its true north is that of their coordinate
+    /// system.
+    #[field(metavar = "E,N[,Z]", requires("scene"), hyphen, parse = parse_spot)]
     pub at: Option<[f64; 3]>,
-    /// EPSG code of the surroundings' coordinate reference system, in place of the one that their
-    /// files state.
+    /// Coordinate reference system of --scene, in place of the one that its files state: EPSG:28992
+    /// or 28992.
+    #[field(metavar = "EPSG", requires("scene"), parse = parse_crs)]
     pub crs: Option<u32>,
-    /// True if the surroundings are removed from the model; their light comes as a series of the
-    /// weather file.
+    /// Remove the shading objects of the surroundings from the model. Their effect on direct and
+    /// diffuse light becomes a time series for --weather, and EnergyPlus computes no shadows of
+    /// them.
+    #[field(requires("weather"))]
     pub delete_surroundings: bool,
-    /// Weather file of the series and of runs.
+    /// Weather file for --run and --delete-surroundings.
+    #[field(short = 'w', input = Weather)]
     pub weather: Option<PathBuf>,
-    /// Folder of all output.
+    /// Folder to write: model.idf or model.epJSON, report.md and .html, receivers.csv and
+    /// site.helio; with --delete-surroundings also series.csv, and stripped.idf with an archive of
+    /// its own.
+    #[field(name = "output", short = 'o', metavar = "FOLDER", output = Folder(&[]), required)]
     pub folder: PathBuf,
-    /// Light that the model gets.
+    /// Reflected light that the model gets.
+    #[field(default = "full")]
     pub physics: Physics,
-    /// True if EnergyPlus is run, for a comparison in the report.
+    /// Run EnergyPlus three times (without reflections, with its own, with the injected light) and
+    /// compare the results in the report.
+    #[field(requires("weather"))]
     pub run: bool,
-    /// Folder of EnergyPlus; `None` for the folder of `energyplus` on the search path.
+    /// Folder of EnergyPlus 25.2 [default: that of `energyplus` on the search path].
+    #[field(metavar = "DIR", requires("run"))]
     pub energyplus: Option<PathBuf>,
-    /// Distance between receivers on the model's surfaces, metres.
-    pub spacing_m: f64,
+    /// Distance between receivers on the model's surfaces, such as 1m or 50cm; with
+    /// --delete-surroundings the default is 50cm, as shadows depend on it.
+    #[field(metavar = "LENGTH", default = "1m", parse = parse_metres)]
+    pub spacing_m: Option<f64>,
     /// Options of surfaces; the files are those of the model and of its surroundings.
+    #[field(
+        flatten,
+        without(
+            "scene",
+            "dsm",
+            "dem",
+            "canopy",
+            "landcover",
+            "crs",
+            "latitude",
+            "longitude",
+            "rotate_deg",
+            "grid_north",
+            "elevation",
+            "scale",
+            "up"
+        )
+    )]
     pub surfaces: SceneRequest,
     /// Accuracy of the archive.
+    #[field(flatten)]
     pub accuracy: AccuracyRequest,
-    /// True if results of other inputs in the folder are replaced.
+    /// Replace results in the folder that are of another model, scene, spacing or accuracy; without
+    /// this option they are an error.
+    #[field(neutral)]
     pub replace: bool,
 }
 
@@ -198,7 +242,15 @@ impl Default for EnergyplusRequest {
     }
 }
 
+/// Usual distances between receivers, metres: shadows of deleted surroundings depend on it.
+const SPACINGS_M: [f64; 2] = [1.0, 0.5];
+
 impl EnergyplusRequest {
+    /// Returns the distance between receivers on the model's surfaces, metres.
+    fn spacing_m(&self) -> f64 {
+        self.spacing_m.unwrap_or(SPACINGS_M[usize::from(self.delete_surroundings)])
+    }
+
     /// Returns a request for a model by itself, with all reflections.
     pub fn of(model: impl Into<PathBuf>, folder: impl Into<PathBuf>) -> Self {
         EnergyplusRequest {
@@ -212,7 +264,7 @@ impl EnergyplusRequest {
             physics: Physics::Full,
             run: false,
             energyplus: None,
-            spacing_m: 1.0,
+            spacing_m: None,
             surfaces: SceneRequest::default(),
             accuracy: AccuracyRequest::default(),
             replace: false,
@@ -395,7 +447,7 @@ impl Files {
 
 /// Returns the request for receivers on all surfaces of the model that the sun may reach.
 fn cover_of(task: &Task, types: Vec<String>) -> CoverRequest {
-    let density = Density::Spacing(task.request.spacing_m);
+    let density = Density::Spacing(task.request.spacing_m());
     CoverRequest { on: Vec::new(), types, density, offset_m: OFFSET_M, min_area_m2: 0.0, ..CoverRequest::default() }
 }
 
@@ -480,4 +532,34 @@ fn summary(files: &Files, targets: &Targets, changed: &Changed) -> String {
 /// Returns the name of the light for the report.
 pub(super) fn physics_name(physics: Physics) -> &'static str {
     name_of(&physics)
+}
+
+heliotile_core::parse_by_name!(Physics);
+
+/// Reads a position: `78500,457800` or `78500,457800,1.5`.
+fn parse_spot(text: &str) -> std::result::Result<[f64; 3], String> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(|part| part.trim().parse::<f64>().ok()).collect();
+    match numbers.as_deref() {
+        Some([x, y]) if x.abs() <= MOST_M && y.abs() <= MOST_M => Ok([*x, *y, 0.0]),
+        Some([x, y, z]) if [x, y, z].iter().all(|m| m.abs() <= MOST_M) => Ok([*x, *y, *z]),
+        _ => Err("give two or three numbers of metres, such as 78500,457800 or 78500,457800,1.5".into()),
+    }
+}
+
+/// Largest coordinate, metres: no plane system has larger ones.
+const MOST_M: f64 = 1e8;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two positions are read, 4 texts are refused.
+    #[test]
+    fn positions_have_two_or_three_numbers() {
+        assert_eq!(parse_spot("78500, -45.5"), Ok([78500.0, -45.5, 0.0]));
+        assert_eq!(parse_spot("1,2,3"), Ok([1.0, 2.0, 3.0]));
+        for text in ["", "1", "1,nan", "1,2,3,4"] {
+            assert!(parse_spot(text).is_err(), "{text}");
+        }
+    }
 }

@@ -1,6 +1,7 @@
 //! Light of surfaces step by step. In: an archive, steps. Out: means over each surface of some
 //! components of light.
 
+use heliotile_results::SkyChoice;
 use std::collections::BTreeMap;
 
 use super::steps::Steps;
@@ -53,7 +54,7 @@ pub fn surface_series(archive: &Archive, asked: &SeriesRequest) -> Result<BTreeM
     let components: Vec<Component> = asked.sums.iter().copied().flatten().copied().collect();
     let receivers = ReceiverSet::all_of(archive)?;
     let series = Series::over_ground(asked.steps.conditions.clone(), asked.ground);
-    let light = LightChoice { sky: asked.sky, paths: asked.paths, ..LightChoice::default() };
+    let light = LightChoice { sky: SkyChoice::Model(asked.sky), paths: asked.paths, ..LightChoice::default() };
     let stream = TileStream { receivers: &receivers, light: &light, series: &series, resources: asked.resources };
     let mut found: BTreeMap<String, SurfaceSeries> = BTreeMap::new();
     let mut rows = receivers.rows::<()>();

@@ -1,38 +1,25 @@
 //! `heliotile partition`, `catalogue` and `find`: regions in parts.
 
+use std::path::Path;
+
 use super::console::terminal::Terminal;
 use super::{Outcome, remark, say};
-use crate::cli::{CatalogueArgs, FindArgs, PartitionArgs, quoted};
-use heliotile::atlas::{AtlasPlan, CatalogueRequest, CutRequest, FILE, PartitionRequest};
+use crate::cli::quoted;
+use heliotile::atlas::{AtlasPlan, FILE, PartitionRequest};
+use heliotile::cases::{Catalogue, Find};
 use heliotile::remote::shown;
 use heliotile::tables::tables;
 use heliotile::text::counted;
-use heliotile::{AccuracyRequest, Error, Provenance, Result};
+use heliotile::{Error, Provenance, Result};
 
 /// `heliotile partition`.
-pub fn partition(args: &PartitionArgs) -> Result<Outcome> {
-    let request = PartitionRequest {
-        cut: CutRequest {
-            part_size_m: args.part_size.0,
-            halo_m: args.halo.0,
-            skyline_deg: args.skyline,
-            scene: args.scene.request(),
-            cover: args.cover.request(),
-            accuracy: AccuracyRequest { quality: args.quality, set: args.set.clone(), ..AccuracyRequest::default() },
-            no_scene: args.no_scene,
-        },
-        atlas: args.output.clone(),
-        replace: args.replace,
-        sample: args.sample,
-        memory: args.memory.into(),
-    };
-    let plan = heliotile::atlas::partition(&request, &Terminal::default())?;
-    remark(&summary(&plan, args))?;
+pub fn partition(request: &PartitionRequest, _: Provenance) -> Result<Outcome> {
+    let plan = heliotile::atlas::partition(request, &Terminal::default())?;
+    remark(&summary(&plan, &request.atlas))?;
     Ok(Outcome::Fine)
 }
 
-fn summary(plan: &AtlasPlan, args: &PartitionArgs) -> String {
-    let atlas = &args.output;
+fn summary(plan: &AtlasPlan, atlas: &Path) -> String {
     let mut text = format!(
         "{}: {} of {} m with {} m around them, of {}\n",
         atlas.join(FILE).display(),
@@ -52,14 +39,13 @@ fn summary(plan: &AtlasPlan, args: &PartitionArgs) -> String {
 }
 
 /// `heliotile catalogue`.
-pub fn catalogue(args: &CatalogueArgs, about: Provenance) -> Result<Outcome> {
-    let request = CatalogueRequest { title: args.title.clone(), license: args.license.clone() };
-    heliotile::atlas::catalogue(&args.atlas, &request, about, &Terminal::default())?;
+pub fn catalogue(args: &Catalogue, about: Provenance) -> Result<Outcome> {
+    heliotile::atlas::catalogue(&args.atlas, &args.request, about, &Terminal::default())?;
     Ok(Outcome::Fine)
 }
 
 /// `heliotile find`: lists the parts that a box touches, one a line.
-pub fn find(args: &FindArgs) -> Result<Outcome> {
+pub fn find(args: &Find, _: Provenance) -> Result<Outcome> {
     let found = heliotile::atlas::parts(&args.atlas, args.bbox)?;
     if found.is_empty() {
         let what = "no part of the atlas touches the box";

@@ -5,14 +5,16 @@ use std::time::Duration;
 
 use super::console::terminal::Terminal;
 use super::{Outcome, load_scene, say};
-use crate::cli::{BuildArgs, ClockArgs, Percent, PlanArgs};
 use heliotile::atlas::{FILE, PartRequest, build_parts};
+use heliotile::cases::{Build, Plan};
 use heliotile::text::counted;
 use heliotile::tracing::{ErrorConditions, tables};
-use heliotile::{EffectsUnder, Error, Observer, Output, Result, Scene, SiteBuild, Start, check_output};
+use heliotile::{
+    EffectsUnder, Error, Observer, Output, Provenance, Result, Scene, SiteBuild, Start, WeatherOptions, check_output,
+};
 
 /// `heliotile build`.
-pub fn run(args: &BuildArgs) -> Result<Outcome> {
+pub fn run(args: &Build, _: Provenance) -> Result<Outcome> {
     match (&args.part, &args.receivers, &args.output) {
         (Some(part), ..) => parts(args, part),
         (None, Some(receivers), Some(output)) => build(args, receivers, output),
@@ -21,8 +23,8 @@ pub fn run(args: &BuildArgs) -> Result<Outcome> {
 }
 
 /// Returns the error of a build that names no receivers or no archive.
-fn unnamed(args: &BuildArgs) -> Error {
-    match args.scene.scene.as_slice() {
+fn unnamed(args: &Build) -> Error {
+    match args.scene.files.as_slice() {
         [only] if only.join(FILE).is_file() => {
             let hint = "give --part all, or the name or number of a part; the atlas states its inputs";
             Error::argument(
@@ -40,41 +42,40 @@ fn unnamed(args: &BuildArgs) -> Error {
 }
 
 /// Builds parts of an atlas.
-fn parts(args: &BuildArgs, part: &str) -> Result<Outcome> {
-    let [place] = args.scene.scene.as_slice() else {
-        let what = format!("a part belongs to one atlas, and {} files are given", args.scene.scene.len());
+fn parts(args: &Build, part: &str) -> Result<Outcome> {
+    let [place] = args.scene.files.as_slice() else {
+        let what = format!("a part belongs to one atlas, and {} files are given", args.scene.files.len());
         let hint = "give only the folder or the address of the atlas, which lists its scene files";
         return Err(Error::argument("part", what, hint));
     };
-    let request = PartRequest { part, fresh: args.fresh, memory: args.memory.into(), from: args.from.as_deref() };
+    let request = PartRequest { part, fresh: args.fresh, memory: args.memory, from: args.from.as_deref() };
     build_parts(place, &request, &Terminal::watching())?;
     Ok(Outcome::Fine)
 }
 
 /// Builds the archive of a scene and its receivers.
-fn build(args: &BuildArgs, receivers: &Path, output: &Path) -> Result<Outcome> {
+fn build(args: &Build, receivers: &Path, output: &Path) -> Result<Outcome> {
     let inputs =
         [Some(receivers), args.accuracy.error_weather.as_deref(), args.weather.as_deref(), args.from.as_deref()];
     // Outputs are checked before minutes of tracing.
-    let scene = args.scene.request_by(&args.table_north);
-    check_output(output, &scene.site()?, &inputs)?;
-    let (scene, terminal) = (load_scene(&scene)?, Terminal::watching());
+    check_output(output, &args.scene.site()?, &inputs)?;
+    let (scene, terminal) = (load_scene(&args.scene)?, Terminal::watching());
     let weighed_under = weighed_under(args.weather.as_deref(), &args.about_weather, &scene, &terminal)?;
     let output = Output {
         path: output.to_owned(),
         start: if args.fresh { Start::Fresh } else { Start::Resume },
-        checkpoint_every: Duration::from_secs(u64::from(args.checkpoint)),
+        checkpoint_every: Duration::from_secs(u64::from(args.checkpoint_s())),
     };
-    let accuracy = args.accuracy.request_beside(args.weather.as_deref(), &args.about_weather);
+    let accuracy = args.accuracy.beside(args.weather.as_deref(), &args.about_weather);
     let build = SiteBuild {
         share: args.share,
-        under: effects_under(weighed_under.as_ref(), args.negligible),
+        under: effects_under(weighed_under.as_ref(), args.negligible_percent),
         effects: args.effects,
         with_scene: !args.no_scene,
         store: args.store.as_deref(),
         from: args.from.as_deref(),
-        preview_percent: args.preview.map(|Percent(percent)| percent),
-        memory: args.memory.into(),
+        preview_percent: args.preview_percent,
+        memory: args.memory,
         ..SiteBuild::new(&scene, receivers, &accuracy)
     };
     build.build(&output, &terminal)?;
@@ -82,15 +83,15 @@ fn build(args: &BuildArgs, receivers: &Path, output: &Path) -> Result<Outcome> {
 }
 
 /// `heliotile plan`.
-pub fn plan(args: &PlanArgs) -> Result<Outcome> {
-    let scene = load_scene(&args.scene.request_by(&args.table_north))?;
+pub fn plan(args: &Plan, _: Provenance) -> Result<Outcome> {
+    let scene = load_scene(&args.scene)?;
     let terminal = Terminal::default();
     let weighed_under = weighed_under(args.weather.as_deref(), &args.about_weather, &scene, &terminal)?;
-    let accuracy = args.accuracy.request_beside(args.weather.as_deref(), &args.about_weather);
+    let accuracy = args.accuracy.beside(args.weather.as_deref(), &args.about_weather);
     let build = SiteBuild {
-        under: effects_under(weighed_under.as_ref(), args.negligible),
+        under: effects_under(weighed_under.as_ref(), args.negligible_percent),
         effects: args.effects,
-        memory: args.memory.into(),
+        memory: args.memory,
         ..SiteBuild::new(&scene, &args.receivers, &accuracy)
     };
     let (plan, receivers) = build.plan(&terminal)?;
@@ -109,15 +110,14 @@ pub fn plan(args: &PlanArgs) -> Result<Outcome> {
 /// Returns the weather under which effects are weighed, if a file is given.
 fn weighed_under(
     weather: Option<&Path>,
-    clock: &ClockArgs,
+    about: &WeatherOptions,
     scene: &Scene,
     observer: &dyn Observer,
 ) -> Result<Option<ErrorConditions>> {
-    let read = |file| ErrorConditions::read(Some(file), &clock.options(false), scene.place, observer);
+    let read = |file| ErrorConditions::read(Some(file), about, scene.place, observer);
     weather.map(read).transpose()
 }
 
-fn effects_under(weather: Option<&ErrorConditions>, negligible: Option<Percent>) -> Option<EffectsUnder<'_>> {
-    let negligible_percent = negligible.map(|Percent(percent)| percent);
+fn effects_under(weather: Option<&ErrorConditions>, negligible_percent: Option<f64>) -> Option<EffectsUnder<'_>> {
     weather.map(|weather| EffectsUnder { weather, negligible_percent })
 }

@@ -3,15 +3,14 @@
 
 use super::console::terminal::Terminal;
 use super::{Outcome, remark};
-use crate::cli::CopyArgs;
-
 use heliotile::atlas::{Atlas, copied};
+use heliotile::cases::Copy;
 use heliotile::output::guard_output;
 use heliotile::remote::{is_address, shown};
-use heliotile::{Error, Result};
+use heliotile::{Error, Provenance, Result};
 
 /// `heliotile copy`.
-pub fn run(args: &CopyArgs) -> Result<Outcome> {
+pub fn run(args: &Copy, _: Provenance) -> Result<Outcome> {
     if !is_address(&args.from) && !is_address(&args.to) {
         let hint = "copy files with `cp`, or give an address such as s3://BUCKET/site.helio";
         return Err(Error::input(&args.to, None, "is a path, and so is the source", hint));

@@ -2,16 +2,16 @@
 
 use super::Outcome;
 use super::console::terminal::Terminal;
-use crate::cli::EnergyplusArgs;
+use heliotile::cases::Energyplus;
 use heliotile::memory::SystemTemp;
 use heliotile::scene::input;
-use heliotile::{Resources, Result};
+use heliotile::{Provenance, Resources, Result};
 
 /// `heliotile energyplus`.
-pub fn run(args: &EnergyplusArgs) -> Result<Outcome> {
+pub fn run(args: &Energyplus, _: Provenance) -> Result<Outcome> {
     let terminal = Terminal::watching();
-    let memory = args.memory.into();
+    let memory = args.memory;
     let resources = Resources { memory, storage: &SystemTemp, files: &input::read, observer: &terminal };
-    args.request().write(&resources)?;
+    args.request.write(&resources)?;
     Ok(Outcome::Fine)
 }

@@ -3,15 +3,15 @@
 
 use super::Outcome;
 use super::console::terminal::Terminal;
-use crate::cli::ExportArgs;
+use heliotile::cases::Export;
 use heliotile::memory::SystemTemp;
 use heliotile::scene::input;
 use heliotile::{Provenance, Resources, Result};
 
 /// `heliotile export`.
-pub fn run(args: &ExportArgs, about: Provenance) -> Result<Outcome> {
+pub fn run(args: &Export, about: Provenance) -> Result<Outcome> {
     let terminal = Terminal::default();
-    let memory = args.memory.into();
+    let memory = args.memory;
     let resources = Resources { memory, storage: &SystemTemp, files: &input::read, observer: &terminal };
     match args.page() {
         Some(page) => page.write(&resources)?,

@@ -4,15 +4,16 @@
 use std::fmt::Write;
 
 use super::{Outcome, say, scene, warn, weather};
-use crate::cli::{InfoArgs, MaterialsArgs, VerifyArgs, worded_text};
+use crate::cli::worded_text;
 use heliotile::archive::{Accuracy, TileNumber, format, open_archive, tables};
-use heliotile::atlas::{Atlas, about};
+use heliotile::atlas::{Atlas, VerifyRequest, about};
+use heliotile::cases::Info;
 use heliotile::covering::black_below_horizon;
 use heliotile::materials::rounded;
 use heliotile::output::is_archive;
 use heliotile::text::{counted, excerpt};
 use heliotile::tracing::in_hours;
-use heliotile::{BandOptics, Component, Error, Result, SceneRequest, SiteFrame, WeatherOptions};
+use heliotile::{BandOptics, Component, Error, Provenance, Result, SceneRequest, SiteFrame, WeatherOptions};
 
 /// Number of settings in the first of two lines.
 const SETTINGS_A_LINE: usize = 7;
@@ -21,11 +22,15 @@ const SETTINGS_A_LINE: usize = 7;
 const MOST_SHOWN: usize = 80;
 
 /// `heliotile info`.
-pub fn info(args: &InfoArgs) -> Result<Outcome> {
+pub fn info(args: &Info, _: Provenance) -> Result<Outcome> {
     if let Some(file) = &args.weather {
-        return weather::info(file, &args.about_weather, args.place.latitude.zip(args.place.longitude));
+        return weather::info(
+            file,
+            &args.about_weather,
+            args.scene.frame.latitude_deg.zip(args.scene.frame.longitude_deg),
+        );
     }
-    if args.about_weather.options(false) != WeatherOptions::default() {
+    if args.about_weather != WeatherOptions::default() {
         let hint = "give a weather file with {weather}, or leave them out";
         return Err(Error::argument("time_zone, shift, weather_stamp, date_order", "describe a weather file", hint));
     }
@@ -36,24 +41,22 @@ pub fn info(args: &InfoArgs) -> Result<Outcome> {
         return Ok(Outcome::Fine);
     }
     let path = match args.files.as_slice() {
-        [path] if is_archive(path) && args.rasters.files().next().is_none() => path,
+        [path] if is_archive(path) && args.scene.surface.is_none() => path,
         files => {
-            let (frame, footprints) = (args.place.frame(), args.footprints.options());
-            let surface = args.rasters.request();
-            let request = SceneRequest { frame, footprints, surface, ..args.surfaces.request(files) };
+            let request = SceneRequest { files: files.to_vec(), ..args.scene.clone() };
             return scene::info(&request.site()?);
         }
     };
     // Options of scenes do not apply to archives: they are refused rather than ignored.
-    if args.place.frame() != SiteFrame::default() {
+    if args.scene.frame != SiteFrame::default() {
         let hint = "leave --crs, --latitude, --longitude, --rotate-deg, --elevation and --scale out";
         return Err(Error::input(path, None, "is an archive, whose place was stated when it was built", hint));
     }
-    if !args.footprints.options().is_default() {
+    if !args.scene.footprints.is_default() {
         let hint = "leave --height, --storey-height and --base out";
         return Err(Error::input(path, None, "is an archive, not a file of footprints", hint));
     }
-    let MaterialsArgs { materials, materials_only, no_ground, assume_version } = &args.surfaces;
+    let SceneRequest { materials, materials_only, no_ground, assume_version, .. } = &args.scene;
     if materials.is_some() || *materials_only || *no_ground || assume_version.is_some() {
         let hint = "leave --materials, --materials-only, --no-ground and --assume-version out";
         return Err(Error::input(path, None, "is an archive, whose surfaces were stated when it was built", hint));
@@ -205,9 +208,9 @@ fn say_accuracy(out: &mut String, a: &Accuracy) {
 }
 
 /// `heliotile verify`: a damaged block is a finding (exit 1), not a failure of the program.
-pub fn verify(args: &VerifyArgs) -> Result<Outcome> {
+pub fn verify(request: &VerifyRequest, _: Provenance) -> Result<Outcome> {
     let mut outcome = Outcome::Fine;
-    args.request().each(|checked| {
+    request.each(|checked| {
         say(&worded_text(&checked.text()))?;
         checked.warning().iter().for_each(|text| warn(text));
         if !checked.is_good() {

@@ -37,12 +37,13 @@ mod weather;
 
 use std::path::{Path, PathBuf};
 
-use crate::cli::{Bytes, Cli, Command, EverywhereArgs};
+use crate::cli::{Asked, Cli, EverywhereArgs, Given, Other, StudyArgs, StudyCommand};
 use console::terminal::Terminal;
 use console::voice::{self, Volume, remark, say, warn};
 use heliotile::output::folder_of;
+use heliotile::requests::{Request, filled};
 use heliotile::tracing::Workspace;
-use heliotile::{Error, Provenance, Result, Scene, SceneRequest};
+use heliotile::{Error, MemoryBudget, Provenance, Result, Scene, SceneRequest};
 
 pub use console::interrupt::exit_code;
 pub use console::voice::aside as complain;
@@ -56,56 +57,44 @@ pub enum Outcome {
     ProblemFound,
 }
 
-/// Runs a command after a check of the files that it names; `about` is the provenance that files
-/// state.
+/// Runs a command; `about` is the provenance that files state.
 pub fn run(Cli { command, everywhere }: &Cli, about: Provenance) -> Result<Outcome> {
-    let _outputs = preflight::check(command)?;
-    console::interrupt::clean_up();
     set_up(everywhere)?;
-    let outcome = run_command(command, about);
+    let outcome = match command {
+        Asked::Case(case, given) => (case.run)(given, about),
+        Asked::Other(other) => run_other(other),
+    };
     if let Some(traffic) = heliotile::remote::traffic().filter(|_| everywhere.verbose) {
         voice::aside(&format!("{traffic}\n"));
     }
     outcome
 }
 
-fn run_command(command: &Command, about: Provenance) -> Result<Outcome> {
-    match command {
-        Command::Build(args) => build::run(args),
-        Command::Update(args) => update::run(args),
-        Command::Partition(args) => atlas::partition(args),
-        Command::Catalogue(args) => atlas::catalogue(args, about),
-        Command::Find(args) => atlas::find(args),
-        Command::Plan(args) => build::plan(args),
-        Command::Receivers(args) => receivers::run(args),
-        Command::Tradeoff(args) => tradeoff::run(args, about),
-        Command::Query(args) => replay::query(args, about),
-        Command::Run(args) => run::run(args, about),
-        Command::Pv(args) => pv::run(args, about),
-        Command::Energyplus(args) => energyplus::run(args),
-        Command::Replay(args) => replay::replay(args, about),
-        Command::Compare(args) => replay::compare(args, about),
-        Command::Sunlight(args) => sunlight::run(args, about),
-        Command::Glare(args) => sunlight::glare(args, about),
-        Command::Comfort(args) => comfort::run(args, about),
-        Command::Rules(args) => sunlight::rules(args),
-        Command::Factors(args) => replay::factors(args, about),
-        Command::Buildings(args) => replay::buildings(args, about),
-        Command::Places(args) => replay::places(args, about),
-        Command::Info(args) => inspect::info(args),
-        Command::Verify(args) => inspect::verify(args),
-        Command::Repair(args) => repair::run(args),
-        Command::Audit(args) => audit::run(args, about),
-        Command::Store(args) => store::run(args),
-        Command::Extract(args) => transfer::extract(args),
-        Command::Merge(args) => transfer::merge(args),
-        Command::Diff(args) => transfer::diff(args),
-        Command::Copy(args) => copy::run(args),
-        Command::View(args) => view::run(args),
-        Command::Export(args) => export::run(args, about),
-        Command::Study(args) => study::run(args),
-        Command::Completions(args) => shells::completions(args),
-        Command::Man(args) => shells::man(args),
+/// Fills the request of a command, checks the files that it names, and runs the command.
+pub fn start<R: Request + Default>(
+    given: &Given,
+    about: Provenance,
+    run: fn(&R, Provenance) -> Result<Outcome>,
+) -> Result<Outcome> {
+    let request = filled::<R>(given).map_err(|(field, what)| Error::argument(field, what, "give another value"))?;
+    let _outputs = preflight::check(&request, given.iter().any(|(name, _)| name == "geo"))?;
+    console::interrupt::clean_up();
+    run(&request, about)
+}
+
+fn run_other(other: &Other) -> Result<Outcome> {
+    let folder = match other {
+        Other::Study(StudyArgs { command: StudyCommand::Wall(args) }) => Some(&args.output),
+        Other::Man(args) => Some(&args.output),
+        Other::Store(_) | Other::Completions(_) => None,
+    };
+    let _output = folder.map(|folder| preflight::claim_folder(folder)).transpose()?;
+    console::interrupt::clean_up();
+    match other {
+        Other::Store(args) => store::run(args),
+        Other::Study(args) => study::run(args),
+        Other::Completions(args) => shells::completions(args),
+        Other::Man(args) => shells::man(args),
     }
 }
 
@@ -130,11 +119,11 @@ fn load_scene(request: &SceneRequest) -> Result<Scene> {
 }
 
 /// Returns a workspace with its temporary files in `folder`.
-fn workspace(folder: impl Into<PathBuf>, memory: Bytes) -> Workspace {
-    Workspace { folder: folder.into(), memory: memory.into() }
+fn workspace(folder: impl Into<PathBuf>, memory: MemoryBudget) -> Workspace {
+    Workspace { folder: folder.into(), memory }
 }
 
 /// Returns a workspace with its temporary files beside the output.
-fn workspace_beside(output: &Path, memory: Bytes) -> Workspace {
+fn workspace_beside(output: &Path, memory: MemoryBudget) -> Workspace {
     workspace(folder_of(output), memory)
 }

@@ -2,26 +2,27 @@
 
 use super::console::terminal::Terminal;
 use super::{Outcome, remark, say};
-use crate::cli::{PvArgs, quoted};
+use crate::cli::quoted;
+use heliotile::cases::Pv;
 use heliotile::memory::SystemTemp;
 use heliotile::scene::input;
 use heliotile::{Provenance, PvDone, Resources, Result};
 
 /// `heliotile pv`.
-pub fn run(args: &PvArgs, about: Provenance) -> Result<Outcome> {
+pub fn run(args: &Pv, about: Provenance) -> Result<Outcome> {
     let terminal = Terminal::watching();
-    let memory = args.memory.into();
+    let memory = args.memory;
     let resources = Resources { memory, storage: &SystemTemp, files: &input::read, observer: &terminal };
-    let done = args.request().write(about, &resources)?;
+    let done = args.request.write(about, &resources)?;
     say(&done.table)?;
     remark(&summary(args, &done))?;
     Ok(Outcome::Fine)
 }
 
 /// Returns a remark on the files that were written, with the next command.
-fn summary(args: &PvArgs, done: &PvDone) -> String {
-    let lists = if args.points.is_some() { ", horizon/ (a list for each point)" } else { ", modules.obj" };
-    let pictures = if args.search { " and turns/ (a picture for each point)" } else { "" };
+fn summary(args: &Pv, done: &PvDone) -> String {
+    let lists = if args.request.points.is_some() { ", horizon/ (a list for each point)" } else { ", modules.obj" };
+    let pictures = if args.request.search { " and turns/ (a picture for each point)" } else { "" };
     format!(
         "{}: {}{lists}{pictures}; about the archive: heliotile info {}\n",
         done.folder.display(),

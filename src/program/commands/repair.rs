@@ -2,16 +2,16 @@
 
 use super::console::terminal::Terminal;
 use super::{Outcome, remark};
-use crate::cli::RepairArgs;
+use heliotile::cases::Repair;
 use heliotile::memory::SystemTemp;
 use heliotile::scene::input;
-use heliotile::{Resources, Result};
+use heliotile::{Provenance, Resources, Result};
 
 /// `heliotile repair`.
-pub fn run(args: &RepairArgs) -> Result<Outcome> {
+pub fn run(args: &Repair, _: Provenance) -> Result<Outcome> {
     let terminal = Terminal::watching();
-    let memory = args.memory.into();
+    let memory = args.memory;
     let resources = Resources { memory, storage: &SystemTemp, files: &input::read, observer: &terminal };
-    remark(&args.request().write(&resources)?.text())?;
+    remark(&args.request.write(&resources)?.text())?;
     Ok(Outcome::Fine)
 }

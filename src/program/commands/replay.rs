@@ -7,44 +7,50 @@ use std::path::Path;
 use super::console::terminal::Terminal;
 use super::console::voice::remark_aside;
 use super::{Outcome, remark};
-use crate::cli::{BuildingsArgs, CompareArgs, FactorsArgs, PlacesArgs, QueryArgs, ReplayArgs, SiteArgs};
+use heliotile::cases::{Buildings, Compare, Factors, Places, Query, Replay, SelectionRequest, SiteRequest};
 use heliotile::memory::SystemTemp;
 use heliotile::scene::input;
 use heliotile::text::counted;
-use heliotile::{Error, Provenance, Resources, Result};
+use heliotile::{Error, Every, FileRequest, Provenance, Resources, Result};
 
 /// `heliotile query`.
-pub fn query(args: &QueryArgs, about: Provenance) -> Result<Outcome> {
-    let table = &args.common.table;
-    with_resources(&table.site, |resources| {
-        table.open(about, resources.observer)?.query(&args.request()?, &args.common.files(), resources)
+pub fn query(args: &Query, about: Provenance) -> Result<Outcome> {
+    with_resources(&args.site, |resources| {
+        let site = args.site.open(&args.receivers, about, resources.observer)?;
+        site.query(&args.request, &args.files, resources)
     })?;
     Ok(Outcome::Fine)
 }
 
 /// `heliotile replay`.
-pub fn replay(args: &ReplayArgs, about: Provenance) -> Result<Outcome> {
+pub fn replay(args: &Replay, about: Provenance) -> Result<Outcome> {
     // A year of hours is thousands of lines a receiver: a table for programs, not for a terminal.
-    if args.prints_hours() && std::io::stdout().is_terminal() {
+    if prints_hours(args) && std::io::stdout().is_terminal() {
         let hint = "name a file with {output}, give {every} year, month or total, or pipe the table into a program";
         return Err(Error::argument("output", "would print every hour of every receiver to the terminal", hint));
     }
-    let table = &args.common.table;
-    let done = with_resources(&table.site, |resources| {
-        table.open(about, resources.observer)?.replay(&args.request()?, &args.files(), resources)
+    let done = with_resources(&args.site, |resources| {
+        let site = args.site.open(&args.receivers, about, resources.observer)?;
+        site.replay(&args.request, &args.files, resources)
     })?;
     done.map_or(Ok(()), |done| remark(&done))?;
     Ok(Outcome::Fine)
 }
 
+/// Returns true if the hours of all receivers would go to standard output as text.
+fn prints_hours(args: &Replay) -> bool {
+    let FileRequest { output, plots, honeybee, .. } = &args.files;
+    args.request.every == Every::Hour && output == Path::new("-") && plots.is_empty() && honeybee.is_none()
+}
+
 /// `heliotile compare`.
-pub fn compare(args: &CompareArgs, about: Provenance) -> Result<Outcome> {
-    let (table, request, files) = (&args.common.table, args.request()?, args.common.files());
-    let done = with_resources(&table.site, |resources| {
-        table.open(about, resources.observer)?.compare(&request, &files, resources)
+pub fn compare(args: &Compare, about: Provenance) -> Result<Outcome> {
+    let (request, files) = (args.request(), &args.files);
+    let done = with_resources(&args.site, |resources| {
+        args.site.open(&args.receivers, about, resources.observer)?.compare(&request, files, resources)
     })?;
     let stdout = Path::new("-");
-    let has_table = request.has_details(&files) && files.output == stdout && files.plots.is_empty();
+    let has_table = request.has_details(files) && files.output == stdout && files.plots.is_empty();
     let is_taken = has_table || [&request.summary, &request.unmatched].into_iter().flatten().any(|to| to == stdout);
     if is_taken {
         remark_aside(&done.text())
@@ -55,10 +61,10 @@ pub fn compare(args: &CompareArgs, about: Provenance) -> Result<Outcome> {
 }
 
 /// `heliotile buildings`.
-pub fn buildings(args: &BuildingsArgs, about: Provenance) -> Result<Outcome> {
-    let year = &args.year;
-    let done = with_resources(&year.site, |resources| {
-        year.site.open(about, resources.observer)?.buildings(&year.request(), &args.request(), resources)
+pub fn buildings(args: &Buildings, about: Provenance) -> Result<Outcome> {
+    let done = with_resources(&args.site, |resources| {
+        let site = args.site.open(&SelectionRequest::default(), about, resources.observer)?;
+        site.buildings(&args.year(), &args.request, resources)
     })?;
     // Standard output may hold the table, so the remark goes to standard error.
     remark_aside(&format!("{} with {}\n", counted(done.buildings, "building"), counted(done.faces, "roof face")));
@@ -66,34 +72,34 @@ pub fn buildings(args: &BuildingsArgs, about: Provenance) -> Result<Outcome> {
 }
 
 /// `heliotile places`.
-pub fn places(args: &PlacesArgs, about: Provenance) -> Result<Outcome> {
-    let year = &args.year;
-    let done = with_resources(&year.site, |resources| {
-        year.site.open(about, resources.observer)?.places(&year.request(), &args.request(), resources)
+pub fn places(args: &Places, about: Provenance) -> Result<Outcome> {
+    let done = with_resources(&args.site, |resources| {
+        let site = args.site.open(&SelectionRequest::default(), about, resources.observer)?;
+        site.places(&args.year(), &args.request, resources)
     })?;
     remark_aside(&format!("{} chosen among {}\n", counted(done.places, "place"), counted(done.receivers, "receiver")));
     Ok(Outcome::Fine)
 }
 
 /// `heliotile factors`.
-pub fn factors(args: &FactorsArgs, about: Provenance) -> Result<Outcome> {
-    let table = &args.table;
-    with_resources(&table.site, |resources| {
-        table.open(about, resources.observer)?.factors(&args.request(), resources)
+pub fn factors(args: &Factors, about: Provenance) -> Result<Outcome> {
+    with_resources(&args.site, |resources| {
+        args.site.open(&args.receivers, about, resources.observer)?.factors(&args.request, resources)
     })?;
     Ok(Outcome::Fine)
 }
 
 /// Calls `then` with the resources of a computation on an archive.
-pub fn with_resources<T>(site: &SiteArgs, then: impl FnOnce(&Resources) -> Result<T>) -> Result<T> {
+pub fn with_resources<T>(site: &SiteRequest, then: impl FnOnce(&Resources) -> Result<T>) -> Result<T> {
     let (storage, terminal) = (SystemTemp, Terminal::default());
-    then(&Resources { memory: site.memory.into(), storage: &storage, files: &input::read, observer: &terminal })
+    then(&Resources { memory: site.memory, storage: &storage, files: &input::read, observer: &terminal })
 }
 
 #[cfg(test)]
 mod tests {
-    use crate::cli::{Cli, Command};
-    use clap::Parser;
+    use super::*;
+    use crate::cli::{Case, command_line};
+    use heliotile::requests::filled;
 
     /// Without an output and a period, `replay` prints hours, so that it is refused on a terminal;
     /// sums, a file, a picture and a Honeybee folder are not: 1 of 5.
@@ -101,10 +107,10 @@ mod tests {
     fn only_hours_without_a_file_are_printed() {
         let prints = |options: &str| {
             let line = format!("heliotile replay a.helio -w w.epw {options}");
-            match Cli::try_parse_from(line.split_whitespace()).expect("a command line").command {
-                Command::Replay(args) => args.prints_hours(),
-                _ => false,
-            }
+            let matches = command_line().try_get_matches_from(line.split_whitespace()).expect("a command line");
+            let (name, inside) = matches.subcommand().expect("a command");
+            let given = Case::of(name).expect("a case").given(inside);
+            prints_hours(&filled::<Replay>(&given).expect("a request"))
         };
         let found = ["", "--every month", "-o t.csv", "--plot map.png", "--honeybee out"].map(prints);
         assert_eq!(found, [true, false, false, false, false]);

@@ -1,11 +1,11 @@
 //! Completions for shells and manual pages, made from the definition of the command line. In: a
 //! shell, or a folder. Out: a script, or pages.
 
-use clap::{Command, CommandFactory};
+use clap::Command;
 use clap_mangen::Man;
 
 use super::{Outcome, remark, say};
-use crate::cli::{Cli, CompletionsArgs, ManArgs};
+use crate::cli::{CompletionsArgs, ManArgs, command_line};
 use heliotile::output::write_texts;
 use heliotile::text::counted;
 use heliotile::{Error, Result};
@@ -13,14 +13,14 @@ use heliotile::{Error, Result};
 /// `heliotile completions`.
 pub fn completions(args: &CompletionsArgs) -> Result<Outcome> {
     let mut script = Vec::new();
-    clap_complete::generate(args.shell, &mut Cli::command(), "heliotile", &mut script);
+    clap_complete::generate(args.shell, &mut command_line(), "heliotile", &mut script);
     say(&String::from_utf8_lossy(&script))?;
     Ok(Outcome::Fine)
 }
 
 /// `heliotile man`.
 pub fn man(args: &ManArgs) -> Result<Outcome> {
-    let mut program = Cli::command();
+    let mut program = command_line();
     // After `build` every page knows the options of all commands, and its full name.
     program.build();
     let mut pages = Vec::new();

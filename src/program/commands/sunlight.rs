@@ -5,23 +5,28 @@ use std::fmt::Write;
 
 use super::replay::with_resources;
 use super::{Outcome, say};
-use crate::cli::{GlareArgs, RulesArgs, SunlightArgs, TableArgs};
 use crate::commands::console::voice::remark_aside;
+use heliotile::cases::{Glare, Rules, SelectionRequest, SiteRequest, Sunlight};
 use heliotile::{Error, FileRequest, Provenance, Result, SunlightRequest, shipped_rules};
 
 /// `heliotile sunlight`.
-pub fn run(args: &SunlightArgs, about: Provenance) -> Result<Outcome> {
-    write(&args.table, &args.request(), &args.days.files(&args.table, &args.plot), about)
+pub fn run(args: &Sunlight, about: Provenance) -> Result<Outcome> {
+    write((&args.site, &args.receivers), &args.request, &args.files, about)
 }
 
 /// `heliotile glare`.
-pub fn glare(args: &GlareArgs, about: Provenance) -> Result<Outcome> {
-    write(&args.table, &args.request(), &args.days.files(&args.table, &args.plot), about)
+pub fn glare(args: &Glare, about: Provenance) -> Result<Outcome> {
+    write((&args.site, &args.receivers), &args.request(), &args.files, about)
 }
 
-fn write(table: &TableArgs, request: &SunlightRequest, files: &FileRequest, about: Provenance) -> Result<Outcome> {
-    let done = with_resources(&table.site, |resources| {
-        table.open(about, resources.observer)?.sunlight(request, files, resources)
+fn write(
+    (site, receivers): (&SiteRequest, &SelectionRequest),
+    request: &SunlightRequest,
+    files: &FileRequest,
+    about: Provenance,
+) -> Result<Outcome> {
+    let done = with_resources(site, |resources| {
+        site.open(receivers, about, resources.observer)?.sunlight(request, files, resources)
     })?;
     // Standard output may hold the table, so the remark goes to standard error.
     remark_aside(&done.text());
@@ -29,7 +34,7 @@ fn write(table: &TableArgs, request: &SunlightRequest, files: &FileRequest, abou
 }
 
 /// `heliotile rules`.
-pub fn rules(args: &RulesArgs) -> Result<Outcome> {
+pub fn rules(args: &Rules, _: Provenance) -> Result<Outcome> {
     let shipped = shipped_rules()?;
     let Some(name) = &args.name else {
         let mut text = String::new();

@@ -2,17 +2,17 @@
 
 use super::console::terminal::Terminal;
 use super::{Outcome, say};
-use crate::cli::TradeoffArgs;
+use heliotile::cases::Tradeoff;
 use heliotile::memory::SystemTemp;
 use heliotile::scene::input;
 use heliotile::{Provenance, Resources, Result};
 
 /// `heliotile tradeoff`.
-pub fn run(args: &TradeoffArgs, about: Provenance) -> Result<Outcome> {
+pub fn run(args: &Tradeoff, about: Provenance) -> Result<Outcome> {
     let terminal = Terminal::default();
-    let memory = args.memory.into();
+    let memory = args.memory;
     let resources = Resources { memory, storage: &SystemTemp, files: &input::read, observer: &terminal };
-    let done = args.request().write(about, &resources, say)?;
+    let done = args.request.write(about, &resources, say)?;
     say(&format!("{}: open it in a browser\n", done.page.display()))?;
     Ok(Outcome::Fine)
 }

@@ -3,18 +3,21 @@
 
 use super::console::terminal::Terminal;
 use super::{Outcome, remark, say, workspace, workspace_beside};
-use crate::cli::{DiffArgs, ExtractArgs, MergeArgs};
 use heliotile::archive::{Assembled, format, open_archive, transfer};
 use heliotile::atlas::holding;
+use heliotile::cases::{Diff, Extract, Merge};
 use heliotile::output::{guard_archive, guard_output};
 use heliotile::text::counted;
-use heliotile::{Error, Result};
+use heliotile::{Access, Error, Provenance, Result};
 
 /// `heliotile merge`.
-pub fn merge(args: &MergeArgs) -> Result<Outcome> {
+pub fn merge(args: &Merge, _: Provenance) -> Result<Outcome> {
     guard_output(&args.output, &[&args.first, &args.second])?;
     guard_archive(&args.output)?;
-    let [a, b] = [open_archive(&args.first, args.io)?, open_archive(&args.second, args.io)?];
+    let [a, b] = [
+        open_archive(&args.first, args.io.unwrap_or(Access::Read))?,
+        open_archive(&args.second, args.io.unwrap_or(Access::Read))?,
+    ];
     let workspace = workspace_beside(&args.output, args.memory);
     let merged = transfer::merge([&a, &b], &args.output, &workspace, &Terminal::default())?;
     let Assembled { receivers, tiles, cells, summary } = &merged.written;
@@ -37,8 +40,8 @@ pub fn merge(args: &MergeArgs) -> Result<Outcome> {
 }
 
 /// `heliotile extract`.
-pub fn extract(args: &ExtractArgs) -> Result<Outcome> {
-    let Some(selection) = args.of.selection() else {
+pub fn extract(args: &Extract, _: Provenance) -> Result<Outcome> {
+    let Some(selection) = args.receivers.selection() else {
         return Err(Error::argument(
             "extract",
             "no receivers are chosen",
@@ -46,11 +49,11 @@ pub fn extract(args: &ExtractArgs) -> Result<Outcome> {
         ));
     };
     let mut inputs = vec![args.archive.as_path()];
-    inputs.extend(args.of.receivers.as_deref());
+    inputs.extend(args.receivers.receivers.as_deref());
     guard_output(&args.output, &inputs)?;
     guard_archive(&args.output)?;
     let workspace = workspace_beside(&args.output, args.memory);
-    let archive = holding(&args.archive, &selection, args.io, &workspace)?;
+    let archive = holding(&args.archive, &selection, args.io.unwrap_or(Access::Read), &workspace)?;
     let extracted =
         transfer::extract(&archive, &selection, !args.no_scene, &args.output, &workspace, &Terminal::default())?;
     let Assembled { receivers, tiles, cells, summary } = &extracted.written;
@@ -70,8 +73,11 @@ pub fn extract(args: &ExtractArgs) -> Result<Outcome> {
 }
 
 /// `heliotile diff`: a difference is a finding (exit 1).
-pub fn diff(args: &DiffArgs) -> Result<Outcome> {
-    let [a, b] = [open_archive(&args.first, args.io)?, open_archive(&args.second, args.io)?];
+pub fn diff(args: &Diff, _: Provenance) -> Result<Outcome> {
+    let [a, b] = [
+        open_archive(&args.first, args.io.unwrap_or(Access::Read))?,
+        open_archive(&args.second, args.io.unwrap_or(Access::Read))?,
+    ];
     let found = transfer::diff(&a, &b, &workspace(std::env::temp_dir(), args.memory))?;
     say(&found.table([a.path(), b.path()]))?;
     Ok(if found.is_equal() { Outcome::Fine } else { Outcome::ProblemFound })

@@ -2,15 +2,15 @@
 
 use super::console::terminal::Terminal;
 use super::{Outcome, remark};
-use crate::cli::UpdateArgs;
+use heliotile::cases::Update;
 use heliotile::memory::SystemTemp;
 use heliotile::scene::input;
-use heliotile::{Resources, Result};
+use heliotile::{Provenance, Resources, Result};
 
 /// `heliotile update`.
-pub fn run(args: &UpdateArgs) -> Result<Outcome> {
+pub fn run(args: &Update, _: Provenance) -> Result<Outcome> {
     let terminal = Terminal::watching();
-    let memory = args.memory.into();
+    let memory = args.memory;
     let resources = Resources { memory, storage: &SystemTemp, files: &input::read, observer: &terminal };
     remark(&args.request().write(&resources)?.text())?;
     Ok(Outcome::Fine)

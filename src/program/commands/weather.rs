@@ -5,18 +5,17 @@ use std::fmt::Write;
 use std::path::Path;
 
 use super::{Outcome, say, warn};
-use crate::cli::ClockArgs;
 use heliotile::scene::read_weather_as;
 use heliotile::text::counted;
 use heliotile::weather::WeatherSums;
 use heliotile::{Result, WeatherOptions};
 
 /// `heliotile info --weather`. `place` is a latitude and a longitude in place of those of the file.
-pub fn info(path: &Path, clock: &ClockArgs, place: Option<(f64, f64)>) -> Result<Outcome> {
+pub fn info(path: &Path, about: &WeatherOptions, place: Option<(f64, f64)>) -> Result<Outcome> {
     let options = WeatherOptions {
         latitude_deg: place.map(|(latitude, _)| latitude),
         longitude_deg: place.map(|(_, longitude)| longitude),
-        ..clock.options(false)
+        ..*about
     };
     let weather = read_weather_as(path, &options, &mut || Ok(None))?;
     weather.report.warnings.iter().for_each(|text| warn(text));

@@ -229,7 +229,7 @@ def energyplus(
         "delete_surroundings": delete_surroundings,
         "physics": physics,
         "run": run,
-        "spacing_m": given.number("spacing", (0.5 if delete_surroundings else 1.0) if spacing is None else spacing),
+        "spacing_m": given.number("spacing", spacing),
         "accuracy": _accuracy(quality, None),
         "replace": replace,
     }

@@ -152,8 +152,7 @@ impl LightArgs {
         let paths = self.paths.parse::<LightPaths>().map_err(wrong("paths", "give \"all\", \"none\" or some names"))?;
         let hint = "give a number of reflections from 1 to 64, or leave it out for all";
         let depth = MaxBounces::try_from(self.bounces).map_err(wrong("bounces", hint))?;
-        let paths =
-            paths.with_depth(depth).map_err(wrong("bounces", "add `bounces` to paths, or leave bounces out"))?;
+        paths.with_depth(depth).map_err(wrong("bounces", "add `bounces` to paths, or leave bounces out"))?;
         let mut changes = Changes::default();
         for (name, follow) in self.reflectance {
             match follow {
@@ -175,9 +174,9 @@ impl LightArgs {
         }
         let sky = self.sky.parse::<SkyChoice>();
         let hint = "give one of these names, or the path of a file";
-        let (sky, file) = sky.map_err(|what| Error::argument("sky", what.to_string(), hint))?.parts();
+        let sky = sky.map_err(|what| Error::argument("sky", what.to_string(), hint))?;
         let sky_files = Box::new(SkyFiles {
-            sky: file,
+            sky: None,
             scale: self.sky_scale.as_ref().map(|name| by_name("sky_scale", name)).transpose()?,
             white_w_m2_sr: self.sky_white.map(|white| above_0("sky_white", white)).transpose()?,
             clouds: self.clouds,
@@ -187,12 +186,12 @@ impl LightArgs {
         let choice =
             choice.map_err(wrong("bands", "give names, as in [\"visible\", \"par\"], or the path of a file"))?;
         let bands = Box::new(choice.map_or(Ok(BandList::default()), |choice| choice.read(&input::read))?);
-        Ok(LightChoice { columns, sky, patches: self.patches, paths, changes, sky_files, bands })
+        Ok(LightChoice { columns, bands, sky, sky_files, patches: self.patches, bounces: depth, paths, changes })
     }
 }
 
 impl ReplayArgs {
-    fn request(self, mut light: LightChoice, given: &mut Given) -> Result<ReplayRequest> {
+    fn request(self, light: LightChoice, given: &mut Given) -> Result<ReplayRequest> {
         let moment = |argument, text: &Option<String>| {
             text.as_deref()
                 .map(str::parse::<Moment>)
@@ -217,9 +216,6 @@ impl ReplayArgs {
             date_order: self.date_order.as_ref().map(|name| by_name("date_order", name)).transpose()?,
             with_air: false,
         };
-        if let Some(snow) = &self.snow {
-            light.changes.snow = Some((by_name("snow", snow)?, share("snow_reflectance", self.snow_reflectance)?));
-        }
         let mut temperatures = Vec::new();
         for (name, follow) in self.temperature {
             let of = match follow {
@@ -235,7 +231,10 @@ impl ReplayArgs {
             light,
             weather: given.source(self.weather),
             about_weather,
-            span: (moment("start", &self.from)?, moment("end", &self.to)?),
+            from: moment("start", &self.from)?,
+            to: moment("end", &self.to)?,
+            snow: self.snow.as_ref().map(|name| by_name("snow", name)).transpose()?,
+            snow_reflectance: share("snow_reflectance", self.snow_reflectance)?,
             year: self.year,
             steps: self.steps,
             every: by_name("every", &self.every)?,

@@ -153,7 +153,7 @@ impl SceneArgs {
                 scale: self.scale,
                 up,
             },
-            surface: SurfaceRasters::of_files(self.dsm, self.dem, self.canopy, self.landcover),
+            surface: SurfaceRasters::of_files(self.dsm, self.dem, self.canopy, self.landcover).unwrap_or_default(),
         })
     }
 }

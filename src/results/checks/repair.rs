@@ -1,6 +1,7 @@
 //! Repairs a damaged archive: good blocks are kept, bad ones are traced again. In: an archive, its
 //! scene. Out: an archive of the same root.
 
+use heliotile_requests::Request;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -23,17 +24,21 @@ use heliotile_scene::Scene;
 use heliotile_scene::request::SceneRequest;
 
 /// Request for a repair.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize, Request)]
 #[serde(default, deny_unknown_fields)]
 pub struct RepairRequest {
-    /// Damaged archive.
+    /// Archive to repair.
+    #[field(positional, required, input = Archive)]
     pub archive: PathBuf,
     /// Scene that the archive was built from; the archive states its place.
+    #[field(flatten)]
     pub scene: SceneRequest,
-    /// Table of the receivers that the archive was built from; needed if the archive's own
-    /// receivers are damaged.
+    /// Table of the receivers that the archive was built from; needed if the archive's own table is
+    /// damaged.
+    #[field(short = 'r', input = Receivers)]
     pub receivers: Option<PathBuf>,
-    /// Archive to write; `None`: replaces the damaged one.
+    /// Repaired archive to write [default: replace the damaged one].
+    #[field(short = 'o', metavar = "SITE.helio", output = Archive)]
     pub output: Option<PathBuf>,
 }
 

@@ -1,6 +1,7 @@
 //! Persons: the six receivers of a point. In: receivers, tiles of their light. Out: points, the
 //! view shares of their planes, and the light of each.
 
+use crate::own_skies::SkyChoice;
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
@@ -113,7 +114,7 @@ fn under_leaves(stream: &TileStream) -> Result<HashMap<String, f64>> {
         return Ok(found);
     }
     let series = Series::of_conditions(vec![uniform_sky()], Changes::default(), Provenance::default());
-    let light = LightChoice { sky: SkyModel::Uniform, ..LightChoice::default() };
+    let light = LightChoice { sky: SkyChoice::Model(SkyModel::Uniform), ..LightChoice::default() };
     let stream = TileStream { series: &series, light: &light, ..*stream };
     stream.each(ComponentSet::of(&[Component::SkyDirect]), |tile| {
         let share = |row: usize| open_share(tile.values.row(Component::SkyDirect, row));

@@ -1,6 +1,8 @@
 //! Points where people stand. In: a scene, a table of points or surfaces to stand on. Out: six
 //! receivers a point, and the archive of the scene with them.
 
+use heliotile_core::units::parse_metres;
+use heliotile_requests::Request;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -43,24 +45,35 @@ const SPACINGS_M: [f64; 2] = [0.1, 1000.0];
 const HEIGHTS_M: [f64; 2] = [0.05, 10.0];
 
 /// Request for the archive of a scene with people.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, Request)]
 #[serde(default, deny_unknown_fields)]
 pub struct ComfortSiteRequest {
     /// Scene with the people.
+    #[field(flatten, without("grid_north"))]
     pub scene: SceneRequest,
-    /// Table of points; `None`: people stand on surfaces.
+    /// Positions of people, CSV with columns point,x,y and optionally z or height [default: on the
+    /// ground, --spacing apart].
+    #[field(metavar = "FILE", conflicts("on", "spacing"), input = Any)]
     pub points: Option<PathBuf>,
-    /// Kinds of surfaces, or materials, that people stand on.
+    /// Kinds of surfaces, or materials, that people stand on; several with commas.
+    #[field(metavar = "KINDS", delimiter = ',', default = "ground")]
     pub on: Vec<String>,
-    /// Distance between people on surfaces, metres.
+    /// Distance between people, such as 2m.
+    #[field(metavar = "LENGTH", default = "2m", parse = parse_metres)]
     pub spacing_m: f64,
-    /// Height of the middle of a person above the surface, metres.
+    /// Height of the middle of a person above the ground.
+    #[field(metavar = "LENGTH", default = "1.1m", parse = parse_metres, name = "body_height")]
     pub height_m: f64,
     /// Accuracy of the archive.
+    #[field(flatten)]
     pub accuracy: AccuracyRequest,
-    /// Folder that gets `receivers.csv` and `site.helio`.
+    /// Folder to write: receivers.csv and site.helio, which a later call with the same inputs uses
+    /// again [default: the name of the first scene file, with .people].
+    #[field(metavar = "FOLDER", output = Folder(&["receivers.csv"]))]
     pub folder: PathBuf,
-    /// True if files of other inputs in the folder are replaced.
+    /// Replace results in the folder that are of another scene, points or accuracy; without this
+    /// option they are an error.
+    #[field(neutral)]
     pub replace: bool,
 }
 

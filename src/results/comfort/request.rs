@@ -1,6 +1,7 @@
 //! Request for the thermal comfort of people. In: the choices of a user. Out: these choices as one
 //! value that was checked.
 
+use heliotile_requests::Request;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -27,38 +28,51 @@ const FILMS_W_M2_K: [f64; 2] = [LEAST_FILM_W_M2_K, 200.0];
 const MOST_WIND_FACTOR: f64 = 3.0;
 
 /// Request for the thermal comfort of people through a weather file.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Request, Default)]
 pub struct ComfortRequest {
     /// Weather, hours that count, period of a row, temperatures of surfaces, changed reflectances.
     /// Columns in it are ignored.
+    #[field(flatten, without("columns", "bands", "patches", "bounces", "paths", "latitude", "longitude"))]
     pub replay: ReplayRequest,
     /// Properties of people, surfaces and wind.
+    #[field(flatten)]
     pub choice: ComfortChoice,
 }
 
 /// Properties of people, surfaces and wind.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, Request)]
 #[serde(default, deny_unknown_fields)]
 pub struct ComfortChoice {
-    /// Columns, in the order of results; empty: mean radiant temperature, UTCI and PET.
+    /// Columns to write, in this order: some of mrt, utci, pet, air, wind, shortwave and longwave
+    /// (six planes each) [default: mrt,utci,pet].
+    #[field(metavar = "NAMES", delimiter = ',')]
     pub columns: Vec<ComfortColumn>,
-    /// Thresholds of the UTCI, degrees Celsius; rows of periods give the hours above each.
+    /// Limits of the UTCI, degrees Celsius: rows of days and longer count the hours above each.
+    #[field(metavar = "CELSIUS", delimiter = ',', default = "26,32,38,46")]
     pub above_c: Vec<f64>,
     /// Posture of people.
+    #[field(default = "standing")]
     pub posture: Posture,
     /// Model of the direct sun on a person.
+    #[field(default = "cylinder")]
     pub sun_on: SunOnPerson,
-    /// Model of the temperatures of surfaces for which none is given.
+    /// Temperature of the surfaces that --temperature does not state.
+    #[field(default = "sol-air")]
     pub surfaces: SurfaceTemperatures,
     /// Heat transfer coefficient between surfaces and air, radiation included, W/m2K.
+    #[field(name = "film", metavar = "W/M2K", default = ComfortChoice::default().film_w_m2_k)]
     pub film_w_m2_k: f64,
-    /// Longwave emissivities by class; the last entry of a class counts. Empty: the values that the
-    /// materials of the archive state, or else default ones.
+    /// Longwave emissivity of `ground` or `obstruction`; may be repeated [default: what their
+    /// materials state, else ground=0.95, obstruction=0.9].
+    #[field(metavar = "CLASS=SHARE")]
     pub emissivity: Vec<ClassShare>,
-    /// Absorptances of shortwave irradiance by class. Empty: the share that the materials of the
-    /// archive do not reflect.
+    /// Share of sunlight that `ground` or `obstruction` surfaces absorb, for --surfaces sol-air;
+    /// may be repeated [default: what their materials do not reflect].
+    #[field(metavar = "CLASS=SHARE")]
     pub absorptance: Vec<ClassShare>,
-    /// Source of the wind.
+    /// Wind speed 10 m above the ground: a factor on that of the weather file, or a CSV as for
+    /// --schedule with a column `wind_m_s`.
+    #[field(metavar = "FACTOR|FILE", default = "1", input = Any)]
     pub wind: WindChoice,
 }
 
@@ -336,3 +350,21 @@ impl NamedValues for SurfaceTemperatures {
 }
 
 heliotile_core::serde_by_name!(Posture, SurfaceTemperatures);
+
+heliotile_core::parse_by_name!(Posture, SurfaceTemperatures);
+
+heliotile_requests::parse_by_text!(ClassShare: heliotile_requests::Form::TEXT);
+
+impl heliotile_requests::Parse for WindChoice {
+    fn form() -> heliotile_requests::Form {
+        heliotile_requests::Form::TEXT
+    }
+
+    fn parse(text: &str) -> std::result::Result<Self, String> {
+        text.parse()
+    }
+
+    fn path(&self) -> Option<&Path> {
+        if let WindChoice::File(file) = self { Some(file) } else { None }
+    }
+}

@@ -7,6 +7,7 @@ mod honeybee;
 mod map;
 mod results;
 
+use heliotile_requests::Request;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -17,7 +18,7 @@ use crate::outputs::city_model::is_city_model;
 use crate::outputs::periods::Every;
 use crate::outputs::results::ResultFormat;
 use crate::outputs::shapes::writer::MapFormat;
-use crate::outputs::tables::format::files_of;
+use crate::outputs::tables::format::{files_of, table_help};
 use crate::outputs::tables::layout::By;
 use heliotile_builder::writing::guards::guard_output;
 use heliotile_core::error::{Error, Result};
@@ -31,24 +32,40 @@ pub use results::{MapFile, Question, ResultRows, ResultSink, RowsAbout};
 pub(crate) use results::{RowFiles, groups_of, write_rows};
 
 /// Files that results are written to.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, Request)]
 #[serde(default, deny_unknown_fields)]
 pub struct FileRequest {
     /// Table or map, in a format by the ending of its name; `-`: CSV on standard output, or nothing
     /// if there are plots.
+    #[field(short = 'o', default = "-", help = output_help, output = Results)]
     pub output: PathBuf,
-    /// Subject of a row: a receiver or a group.
+    /// Grouping of rows: what each row stands for.
+    #[field(default = "receiver")]
     pub by: By,
-    /// True if a table of receivers holds their positions, directions and areas: it can then be read
-    /// as a table of receivers.
+    /// Add the columns x, y, z, tilt_deg, azimuth_deg and area_m2 of each receiver to the table,
+    /// which `build` can then read as its --receivers.
+    #[field(neutral)]
     pub positions: bool,
-    /// True if Parquet is written as a map.
+    /// Write .parquet as a map (GeoParquet), one row with a polygon for each receiver, surface and
+    /// so on.
+    #[field(neutral)]
     pub geo: bool,
-    /// Pictures: maps (.png) and charts (.svg).
+    /// Draw a picture of the results. A name that ends with .png is a map of the sums (or of one
+    /// condition), from above and from the south-west; one that ends with .svg is a chart of the
+    /// mean of all receivers, weighted by area: bars by component of --every day, month or year (or
+    /// of conditions), hours of the day by month of --every hour. May be repeated; a table is then
+    /// written only if --output names one.
+    #[field(name = "plot", metavar = "FILE", output = File)]
     pub plots: Vec<PathBuf>,
-    /// City model that the receivers were put on; the output is that model with sums.
+    /// City model (CityJSON or CityJSONSeq) on whose surfaces the receivers were placed: an
+    /// --output that ends with .city.json or .city.jsonl is this model with the sums added, and
+    /// with a material theme `irradiation`.
+    #[field(metavar = "INPUT.city.json", conflicts("honeybee", "plot"), input = Any)]
     pub model: Option<PathBuf>,
-    /// Folder in Honeybee's layout, in place of the output.
+    /// Write a folder of hourly results that Honeybee and Pollination read, in place of a table,
+    /// with a grid for each object (a room, a city object); --by building, surface or kind makes
+    /// other grids.
+    #[field(metavar = "FOLDER", conflicts("output", "plot"), output = Folder(&[]))]
     pub honeybee: Option<PathBuf>,
 }
 
@@ -132,4 +149,10 @@ impl FileRequest {
 /// Returns the name of a file for texts.
 pub fn name_of(path: &Path) -> String {
     path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}
+
+/// Returns the help of the output.
+fn output_help() -> String {
+    let maps = MapFormat::ENDINGS.map(|(ending, _)| format!(".{ending}")).join(", ");
+    format!("{}; also maps: {maps}, .parquet with --geo", table_help("Table to write"))
 }

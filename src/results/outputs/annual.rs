@@ -30,8 +30,8 @@ pub struct AnnualTable {
 
 impl AnnualTable {
     /// Starts a table of `count` rows, and a file beside it that describes its columns. Columns:
-    /// `receiver,x,y,z,nx,ny,nz,area_m2,surface`, the part of the model that the receiver stands for,
-    /// its tilt and azimuth (from true north), and the sums.
+    /// `receiver,x,y,z,nx,ny,nz,area_m2,surface`, the part of the model that the receiver stands
+    /// for, its tilt and azimuth (from true north), and the sums.
     pub fn create(path: &Path, count: u64, north: North, provenance: &Provenance) -> Result<Self> {
         let columns = columns_of_receivers()
             .into_iter()

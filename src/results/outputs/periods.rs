@@ -118,6 +118,8 @@ impl NamedValues for Every {
 
 heliotile_core::serde_by_name!(Every);
 
+heliotile_core::parse_by_name!(Every);
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,6 +1,6 @@
 //! Table of receivers that builds read. In: points on surfaces. Out:
-//! `receiver,x,y,z,nx,ny,nz,area_m2,surface`, the part of the model that they stand for, their patch
-//! and, for those that are left out, a reason.
+//! `receiver,x,y,z,nx,ny,nz,area_m2,surface`, the part of the model that they stand for, their
+//! patch and, for those that are left out, a reason.
 
 use std::path::Path;
 
@@ -33,7 +33,8 @@ pub struct ReceiverRow<'a> {
 const DECIMALS: usize = 4;
 const NORMAL_DECIMALS: usize = 6;
 
-/// Returns the columns `receiver,x,y,z,nx,ny,nz,area_m2,surface` and those of the part of the model.
+/// Returns the columns `receiver,x,y,z,nx,ny,nz,area_m2,surface` and those of the part of the
+/// model.
 pub fn columns_of_receivers() -> Vec<Column> {
     let mut columns = vec![Column::text("receiver")];
     columns.extend(["x", "y", "z"].map(|name| Column::number(name, DECIMALS)));

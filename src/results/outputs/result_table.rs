@@ -130,9 +130,14 @@ impl TableRows {
 fn exact(fact: Fact, extent: &Extent) -> Option<f64> {
     match fact {
         Fact::Coordinate(axis) => extent.position.to_array().get(axis).copied(),
-        Fact::Direction(angle) => <[f64; 2]>::from(tilt_and_azimuth(extent.normal)).get(angle).copied(),
+        Fact::Direction(angle) => <[f64; 2]>::from(tilt_and_azimuth(extent.normal)).get(angle).map(|deg| clean(*deg)),
         Fact::Extent | Fact::Area | Fact::Tilt | Fact::Azimuth | Fact::Sum => extent.area_m2,
     }
+}
+
+/// Rounds an angle to 1e-9 degrees, so that an angle which was asked for comes back.
+fn clean(deg: f64) -> f64 {
+    (deg * 1e9).round() / 1e9
 }
 
 /// Returns the change from `pair[0]` to `pair[1]`. With `rounding` the difference of the printed

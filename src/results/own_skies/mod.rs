@@ -5,6 +5,8 @@
 mod hdr;
 mod images;
 
+use heliotile_core::units::parse_positive;
+use heliotile_requests::Request;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -36,12 +38,14 @@ impl SkyChoice {
         )
     }
 
-    /// Returns the model that conditions are read with, and the file.
-    pub fn parts(self) -> (SkyModel, Option<PathBuf>) {
-        match self {
-            SkyChoice::Model(model) => (model, None),
-            SkyChoice::File(file) => (SkyModel::default(), Some(file)),
-        }
+    /// Returns the model that conditions are read with.
+    pub fn model(&self) -> SkyModel {
+        if let SkyChoice::Model(model) = self { *model } else { SkyModel::default() }
+    }
+
+    /// Returns the file of radiances.
+    pub fn file(&self) -> Option<&Path> {
+        if let SkyChoice::File(file) = self { Some(file) } else { None }
     }
 }
 
@@ -58,19 +62,26 @@ impl FromStr for SkyChoice {
 }
 
 /// Files of skies and clouds, and how their light is scaled.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Request)]
 pub struct SkyFiles {
     /// Radiances in place of a model's.
+    #[field(skip)]
     pub sky: Option<PathBuf>,
-    /// Scale of the radiances; `None`: photographs are scaled to DHI, tables and matrices are not
-    /// scaled.
+    /// Scale of the radiances in a file of --sky [default: dhi for photographs, given for tables
+    /// and matrices].
+    #[field(name = "sky_scale")]
     pub scale: Option<SkyScale>,
-    /// Radiance of level 1 of a photograph, W/m2/sr; `None`: its levels are radiances, which those
-    /// of a PNG cannot be.
+    /// Radiance of white in a photograph of --sky, W/m2/sr, for --sky-scale given [default: levels
+    /// of .hdr and .exr are radiances].
+    #[field(name = "sky_white", metavar = "RADIANCE", parse = parse_positive)]
     pub white_w_m2_sr: Option<f64>,
-    /// Transmittances of clouds in front of the sky and the sun.
+    /// Transmittance of clouds before sun and sky, 0 to 1 by direction: a table of patches as for
+    /// --sky, or a square equidistant (fisheye) picture.
+    #[field(metavar = "FILE", input = Any)]
     pub clouds: Option<PathBuf>,
-    /// Azimuth of the top of photographs, degrees clockwise from true north; `None`: north.
+    /// Azimuth of the top of the pictures of --sky and --clouds, degrees clockwise from true north;
+    /// their left side is 90 degrees further clockwise [default: 0, north].
+    #[field(metavar = "DEGREES", range = -360.0..=360.0, says = "give degrees from -360 to 360")]
     pub image_top_deg: Option<f64>,
 }
 
@@ -255,6 +266,26 @@ fn doubts(path: &Path, kind: SourceKind, scale: SkyScale, balance: &SkyBalance) 
         ));
     }
     found
+}
+
+impl Default for SkyChoice {
+    fn default() -> Self {
+        SkyChoice::Model(SkyModel::default())
+    }
+}
+
+impl heliotile_requests::Parse for SkyChoice {
+    fn form() -> heliotile_requests::Form {
+        heliotile_requests::Form::TEXT
+    }
+
+    fn parse(text: &str) -> std::result::Result<Self, String> {
+        text.parse().map_err(|error: Error| error.to_string())
+    }
+
+    fn path(&self) -> Option<&Path> {
+        self.file()
+    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Light of a weather file on an archive. In: an archive, weather. Out: sums by month and hours of
 //! its receivers, replayed by the engine.
 
+use crate::own_skies::SkyChoice;
 use std::cell::RefCell;
 use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
@@ -39,7 +40,7 @@ pub struct Light<'a> {
 /// Returns the replay of a study.
 fn replay_of(request: &PvRequest) -> ReplayRequest {
     let changes = Changes { snow: request.snow.map(|snow| (snow, request.snow_reflectance)), ..Changes::default() };
-    let light = LightChoice { sky: request.sky, changes, ..LightChoice::default() };
+    let light = LightChoice { sky: SkyChoice::Model(request.sky), changes, ..LightChoice::default() };
     ReplayRequest { light, year: request.year, stamp: request.stamp, ..ReplayRequest::of(&request.weather) }
 }
 

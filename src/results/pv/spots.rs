@@ -158,7 +158,8 @@ impl Spots {
     }
 }
 
-/// Returns a point with its height, without an orientation; refuses a point inside an object or below the ground.
+/// Returns a point with its height, without an orientation; refuses a point inside an object or
+/// below the ground.
 pub fn placed(table: &Path, point: &PlacePoint, siting: &Siting) -> Result<Spot> {
     let refuse = |what: String, hint: &str| Err(Error::input(table, point.line, what, hint));
     let name = &point.name;

@@ -83,3 +83,5 @@ fn city_models(site: &SceneFiles) -> Vec<&Path> {
 pub fn is_sequence(site: &SceneFiles) -> bool {
     city_models(site).first().is_some_and(|file| ["jsonl", "cityjsonl"].contains(&input::ending(file).as_str()))
 }
+
+heliotile_core::parse_by_name!(RunMap);

@@ -6,7 +6,10 @@ pub mod made_from;
 mod maps;
 mod results;
 
-use std::path::PathBuf;
+use crate::outputs::tables::format::table_endings;
+use heliotile_builder::planning::parse_negligible;
+use heliotile_requests::{OutputKind, Request, Role};
+use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
@@ -42,46 +45,85 @@ use results::RunResults;
 pub use maps::RunMap;
 
 /// Request for a run.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, Request)]
 #[serde(default, deny_unknown_fields)]
+#[request(also = usual_folder)]
 pub struct RunRequest {
     /// Scene to trace.
+    #[field(flatten, without("grid_north"))]
     pub scene: SceneRequest,
-    /// Weather file.
+    /// Weather file: EPW, TMY3, WEA, SURFRAD, CSV or JSON of a service (NSRDB, PVGIS, Open-Meteo,
+    /// Solcast), or any CSV or JSON with `time` and some of ghi, dni, dhi; also packed (.gz, .zip).
+    #[field(short = 'w', input = Weather, required)]
     pub weather: PathBuf,
     /// Facts about the weather file that it does not state itself.
+    #[field(flatten, without("latitude", "longitude"), heading = "About the weather file")]
     pub about_weather: WeatherOptions,
-    /// Folder of all files that are written; `None`: the name of the first scene file, with .sun.
+    /// Folder to write: receivers.csv, site.helio, and a folder for each weather file with
+    /// annual.csv and annual.ply [default: the name of the first scene file, with .sun].
+    #[field(name = "output", short = 'o', metavar = "FOLDER", output = Folder(&["receivers.csv"]))]
     pub folder: Option<PathBuf>,
     /// Surfaces that get receivers, if `receivers` is `None`.
+    #[field(flatten)]
     pub cover: CoverRequest,
-    /// Table of receivers, in place of `cover`.
+    /// Table of receivers in place of those that cover surfaces, CSV with columns
+    /// receiver,x,y,z,nx,ny,nz and optionally area,surface.
+    #[field(short = 'r', conflicts("on", "spacing", "per_surface", "offset", "min_area"), input = Receivers)]
     pub receivers: Option<PathBuf>,
     /// Accuracy of the archive.
+    #[field(flatten)]
     pub accuracy: AccuracyRequest,
-    /// Largest share of the sum over the weather, percent, that a light path may bring to be left
-    /// out; `None`: no path is left out.
+    /// Leave out light paths that add no more than this share of the sum over the weather file, in
+    /// any group of receivers, such as 0.5%.
+    #[field(metavar = "PERCENT", parse = parse_negligible)]
     pub negligible_percent: Option<f64>,
-    /// True if the archive holds the scene's triangles.
+    /// Leave the scene's triangles out of the archive, if they may not be passed on.
+    #[field(negated = "no_scene")]
     pub with_scene: bool,
-    /// Archive of the scene before it was changed: only what the change can alter is traced.
+    /// Archive of this scene before a change, a path or an address: only light that the change can
+    /// alter is traced, with the same results as without this option.
+    #[field(metavar = "BEFORE.helio", input = Archive)]
     pub from: Option<PathBuf>,
-    /// Periods of additional tables.
+    /// Also write a table by hour, day, month, year or total, as `replay` does: months.csv and so
+    /// on; several with commas.
+    #[field(metavar = "PERIOD", delimiter = ',')]
     pub every: Vec<Every>,
-    /// Rules of sunlight, by name or as TOML files, for an additional table of their results.
+    /// Also check a rule of sunlight and write rules.csv: a name that `heliotile rules` lists, or a
+    /// file with rules of your own (.toml); may be repeated.
+    #[field(name = "rule", metavar = "NAME|FILE")]
     pub rules: Vec<String>,
-    /// Subject of the rows of the additional tables.
+    /// Grouping of rows in the tables of --every and --rule: what each row stands for.
+    #[field(default = "receiver", requires("every", "rule"))]
     pub by: By,
-    /// Moment of its interval that labels a row of hours.
+    /// Time that labels a row of hours: the start, middle or end of its interval.
+    #[field(default = "start", requires("every"))]
     pub stamp: StampedAt,
-    /// Year that rows of tables are put into; `None`: the years of the file.
+    /// Year of all dates in the tables of --every, such as 2019, as for `replay`; annual sums stay
+    /// as they are.
+    #[field(range = 1..=2999, requires("every"))]
     pub year: Option<i32>,
-    /// Ending of the additional tables.
+    /// Ending of the tables of --every and --rule, which chooses their format.
+    #[field(default = "csv", requires("every", "rule"), choices = table_endings)]
     pub format: String,
-    /// Maps in addition to annual.ply.
+    /// Also write the annual sums as a map in this format, such as annual.glb beside annual.ply, or
+    /// into the city model of the scene; may be repeated, or several with commas.
+    #[field(name = "map", metavar = "FORMAT", delimiter = ',', neutral)]
     pub maps: Vec<RunMap>,
-    /// True if results of other inputs in the folder are replaced.
+    /// Replace results in the folder that are of another scene, spacing, accuracy or weather;
+    /// without this option they are an error.
+    #[field(neutral)]
     pub replace: bool,
+}
+
+/// Hands on the folder that a run writes if none is given.
+fn usual_folder(request: &RunRequest, each: &mut dyn FnMut(&'static str, Role, &Path)) {
+    if request.folder.is_none() {
+        each(
+            "output",
+            Role::Output(OutputKind::Folder(&["receivers.csv"])),
+            &folder_beside(request.scene.first(), "sun"),
+        );
+    }
 }
 
 /// Result of a run.
@@ -201,12 +243,13 @@ impl RunRequest {
             Some(placed) => ReceiverSource::Placed { placed, offset_m: self.cover.offset_m, table },
             None => ReceiverSource::from(table),
         };
+        let accuracy = self.accuracy.beside(Some(&self.weather), &self.about_weather);
         let build = SiteBuild {
             under: under.as_ref().map(|weather| EffectsUnder { weather, negligible_percent }),
             with_scene: self.with_scene,
             from: self.from.as_deref(),
             memory: resources.memory,
-            ..SiteBuild::new(&scene, receivers, &self.accuracy)
+            ..SiteBuild::new(&scene, receivers, &accuracy)
         };
         let folder = SiteFolder {
             folder: &files.folder,

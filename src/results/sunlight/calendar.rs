@@ -89,6 +89,8 @@ impl DaySpan {
     }
 }
 
+heliotile_requests::parse_by_text!(DaySpan: heliotile_requests::Form::TEXT);
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -2,6 +2,7 @@
 //! of the scene. Out: a table of spells, panes with the minutes of glare that they cause, a
 //! calendar.
 
+use heliotile_requests::Request;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
@@ -41,18 +42,25 @@ use heliotile_core::units::tilt_and_azimuth;
 use heliotile_core::weather::time::calendar::Date;
 
 /// Angles of glare that counts, and files of glare besides the rows of places.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Request)]
 #[serde(default, deny_unknown_fields)]
 pub struct GlareChoice {
-    /// Least angle between the sun and its image, degrees, at which the image counts. Rules have an
-    /// angle of their own.
+    /// Least angle between the sun and its image in a mirror that counts, degrees; if a rule states
+    /// one too, the larger one applies.
+    #[field(metavar = "DEGREES", default = 0.0)]
     pub least_deflection_deg: f64,
-    /// Largest angle between the image and the direction in which a receiver faces, degrees, at
-    /// which it counts. Rules have an angle of their own.
+    /// Largest angle between the direction of view of a receiver, its normal, and an image of the
+    /// sun in a mirror that counts, degrees: 30 for a driver; if a rule states one too, the smaller
+    /// one applies.
+    #[field(metavar = "DEGREES", default = 90.0)]
     pub view_angle_deg: f64,
-    /// Table with a row for each spell of glare.
+    /// Table to write with a row for each spell, a time of unbroken reflected sun: receiver, day,
+    /// start, end, pane, irradiance, angles.
+    #[field(metavar = "FILE", output = Table)]
     pub spells: Option<PathBuf>,
-    /// Table or map with a row for each pane and the minutes of glare that it causes.
+    /// Table or map to write of the panes, with the minutes in which each reflects the sun to
+    /// receivers.
+    #[field(metavar = "FILE", output = Results)]
     pub panes: Option<PathBuf>,
 }
 

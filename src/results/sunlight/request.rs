@@ -1,6 +1,7 @@
 //! Request for hours of sun. In: the choices of a user. Out: these choices as one value that was
 //! checked; a plan of days and rules.
 
+use heliotile_requests::Request;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -26,34 +27,52 @@ use heliotile_core::weather::time::sun::Location;
 use heliotile_core::weather::time::years::Years;
 
 /// Request for minutes of possible sun on days, or for the verdicts of rules.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Request)]
 #[serde(default, deny_unknown_fields)]
 pub struct SunlightRequest {
-    /// Days, written as `03-21`, `2026-03-21`, `02-19..10-21` or `year`. With rules: the days of
-    /// rules that have none of their own.
+    /// Days to compute, separated by commas: 03-21, 2026-03-21, 02-19..10-21 or year; with --rule,
+    /// the days for rules that state none.
+    #[field(metavar = "DAYS", delimiter = ',')]
     pub dates: Vec<DaySpan>,
-    /// Year of days that name none.
+    /// Year of the dates that state none; results of other years differ by a few minutes.
+    #[field(default = SunlightRequest::default().year, range = 1..=2998)]
     pub year: i32,
-    /// Period of a row, without rules: a day, or all days of a month, of a year, or all of them.
+    /// Period of a row, without --rule: a day, or all days of a month, a year or all of them.
+    #[field(default = "day")]
     pub every: Every,
-    /// Names of shipped rules, or files of rules.
+    /// Rule to check: a name that `heliotile rules` lists, or a file with rules of your own
+    /// (.toml); may be repeated.
+    #[field(name = "rule", metavar = "NAME|FILE")]
     pub rules: Vec<String>,
-    /// Archive or atlas before a change, whose values are listed beside those after.
+    /// Archive or atlas before a change: adds its results, the minutes that changed, and the rules
+    /// that are newly broken.
+    #[field(metavar = "BEFORE", input = Archive)]
     pub before: Option<PathBuf>,
-    /// Clock of the results; `None`: the clock of the weather, or whole hours by the longitude.
+    /// Time zone of results: hours ahead of UTC, such as +01:00, or a name such as
+    /// Europe/Amsterdam, with its summer time [default: that of the weather file if one is given,
+    /// else whole hours by longitude].
+    #[field(metavar = "ZONE", hyphen)]
     pub zone: Option<ClockZone>,
-    /// Least altitude of the sun, degrees, at which it counts.
+    /// Least altitude of the sun that counts, degrees; if a rule states one too, the higher one
+    /// applies.
+    #[field(metavar = "DEGREES", default = 0.0)]
     pub least_altitude_deg: f64,
-    /// Share of the area of a group that must be lit for a moment to count, without rules; 0: any
-    /// of it.
+    /// Share of a row's area that must be lit for a moment to count, without --rule [default: any
+    /// part of it].
+    #[field(metavar = "SHARE", default = 0.0)]
     pub lit_share: f64,
     /// Glare, in place of the sun itself.
+    #[field(skip)]
     pub glare: Option<GlareChoice>,
-    /// True if moments at an edge within a texel are decided by rays of the scene in the archive.
+    /// Refine moments at which an edge within a texel decides, by casting rays at the scene in the
+    /// archive.
     pub exact: bool,
-    /// Weather file whose sunny hours count, for rules of probable hours.
+    /// Weather file for rules of probable sunlight hours: hours with a DNI of at least 120 W/m2
+    /// count as sunny.
+    #[field(short = 'w', input = Weather)]
     pub weather: Option<PathBuf>,
     /// Facts about the weather file that it does not state itself.
+    #[field(flatten, heading = "About the weather file")]
     pub about_weather: WeatherOptions,
 }
 

@@ -5,6 +5,7 @@ mod ladder;
 mod report;
 mod sources;
 
+use heliotile_requests::Request;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -28,25 +29,36 @@ pub use ladder::{LadderStep, LadderTable};
 pub use sources::SettingPoint;
 
 /// Request for a trade-off.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, Request)]
 #[serde(default, deny_unknown_fields)]
 pub struct TradeoffRequest {
     /// Scene to trace.
+    #[field(flatten)]
     pub scene: SceneRequest,
-    /// Table of receivers.
+    /// Table of receivers, CSV with columns receiver,x,y,z, tilt_deg,azimuth_deg (from true north)
+    /// or nx,ny,nz, and optionally area_m2,surface; height (above the roof or ground below) may
+    /// stand for z.
+    #[field(short = 'r', input = Receivers, required)]
     pub receivers: PathBuf,
-    /// Folder of all files that are written.
+    /// Folder to write tradeoff.csv, pictures and index.html into.
+    #[field(name = "output", short = 'o', metavar = "FOLDER", output = Folder(&["tradeoff.csv"]), required)]
     pub folder: PathBuf,
-    /// Number of receivers that settings are tried on, spread over the site.
+    /// Number of receivers to try settings on, spread over the site.
+    #[field(default = 32, range = 1..=4096)]
     pub sample: u16,
-    /// Weather file that errors are estimated under and replays are timed with; `None`: suns from
-    /// all sides.
+    /// Weather file under which errors are estimated and replays are timed [default: suns from all
+    /// sides].
+    #[field(short = 'w', input = Weather)]
     pub weather: Option<PathBuf>,
     /// Facts about the weather file that it does not state itself.
+    #[field(flatten, without("latitude", "longitude"), heading = "About the weather file")]
     pub about_weather: WeatherOptions,
-    /// True if each setting is also tried alone.
+    /// Also try each setting alone, and write sources.csv and a picture (takes several times as
+    /// long).
     pub sources: bool,
-    /// Light paths to trace.
+    /// Light paths to trace besides direct sun and sky: `auto` (those that can matter in the
+    /// scene), `all`, `none`, or some of diffuse, bounces, mirrors, canopies, leaves.
+    #[field(metavar = "LIST", default = EffectChoice::Auto)]
     pub effects: EffectChoice,
 }
 

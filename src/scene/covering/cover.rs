@@ -5,7 +5,10 @@
 //! parts. The parts are cut again until each has one point. Cuts are exact: the areas add up to the
 //! surface. If the density is a spacing, no piece spans a neck between two parts of the surface.
 
+use heliotile_core::units::parse_metres;
+use heliotile_requests::{Group, Request, Role, Row};
 use serde::{Deserialize, Serialize};
+use std::path::Path;
 
 use glam::{DVec2, DVec3};
 
@@ -22,6 +25,37 @@ pub enum Density {
     Spacing(f64),
     /// Number of points on every surface, whatever its size.
     PerSurface(u32),
+}
+
+/// Options of a density.
+#[derive(Default, Request)]
+struct DensityFields {
+    /// Distance between receivers, such as 2m or 50cm.
+    #[field(metavar = "LENGTH", default = "2m", conflicts("per_surface"), parse = parse_metres)]
+    spacing_m: Option<f64>,
+    /// Number of receivers on each surface, in place of --spacing.
+    #[field(metavar = "N", range = 1..=1_000_000)]
+    per_surface: Option<u32>,
+}
+
+impl Request for Density {
+    fn rows() -> Vec<Row> {
+        DensityFields::rows()
+    }
+
+    fn groups() -> Vec<Group> {
+        DensityFields::groups()
+    }
+
+    fn fill(&mut self, name: &str, texts: &[String]) -> std::result::Result<bool, String> {
+        let mut fields = DensityFields::default();
+        let is_known = fields.fill(name, texts)?;
+        let stated = fields.per_surface.map(Density::PerSurface).or(fields.spacing_m.map(Density::Spacing));
+        *self = stated.unwrap_or(*self);
+        Ok(is_known)
+    }
+
+    fn files(&self, _: &mut dyn FnMut(&'static str, Role, &Path)) {}
 }
 
 /// Largest number of points on one surface.

@@ -3,9 +3,13 @@
 
 mod edited;
 mod names;
+
+heliotile_requests::parse_by_text!(ObjectMove: Form::TEXT, ObjectHeight: Form::TEXT, ObjectMaterial: Form::TEXT);
+
 #[cfg(test)]
 mod tests;
 
+use heliotile_requests::{Form, Request};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::path::Path;
@@ -22,16 +26,21 @@ use names::ObjectNames;
 pub use edited::{EditedScene, Fate};
 
 /// Edits of objects. A name is that of an object, or of the building that objects are parts of.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, Request)]
 #[serde(default, deny_unknown_fields)]
 pub struct SceneEdits {
-    /// Names of objects to remove.
+    /// Remove an object or a building; may be repeated, as --move, --height and --material may.
+    #[field(metavar = "OBJECT")]
     pub remove: Vec<String>,
-    /// Objects to move.
+    /// Move an object by these metres along x, y and z; its receivers go with it.
+    #[field(name = "move", metavar = "OBJECT=DX,DY,DZ")]
     pub moves: Vec<ObjectMove>,
-    /// Objects whose roofs go up or down.
+    /// Raise or lower the roofs of an object, and its walls with them: by +3m or -3m, or to a
+    /// height of 12m over its lowest point.
+    #[field(name = "height", metavar = "OBJECT=HEIGHT")]
     pub heights: Vec<ObjectHeight>,
-    /// Objects that get another material.
+    /// Give all surfaces of an object a material of the scene or of --materials.
+    #[field(name = "material", metavar = "OBJECT=MATERIAL")]
     pub materials: Vec<ObjectMaterial>,
 }
 

@@ -2,6 +2,7 @@
 //! or the table `[site]` of a `site.toml`. Out: numbers in range, and systems that can place
 //! coordinates.
 
+use heliotile_requests::{Parse, Request};
 use serde::{Deserialize, Serialize};
 
 use heliotile_core::named::NamedValues;
@@ -9,35 +10,43 @@ use heliotile_core::named::NamedValues;
 use crate::reference::{Reference, Unplaced};
 
 /// Place of a site on Earth, its rotation, and the unit of its files.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize, Request)]
 #[serde(deny_unknown_fields)]
 pub struct SiteFrame {
-    /// Coordinate reference system of the scene's coordinates, in place of the files' own
-    /// statements; a number of the EPSG register.
+    /// Coordinate reference system of the scene's coordinates, in metres: EPSG:28992 or 28992.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[field(name = "crs", metavar = "EPSG", parse = parse_crs)]
     pub epsg: Option<u32>,
-    /// Latitude, degrees, north positive.
+    /// Latitude of the scene, degrees, north positive; y is then true north, unless a coordinate
+    /// system states otherwise.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[field(metavar = "DEGREES", requires("longitude"), range = -90.0..=90.0, says = "give degrees from -90 to 90, north positive")]
     pub latitude_deg: Option<f64>,
-    /// Longitude, degrees, east positive.
+    /// Longitude of the scene, degrees, east positive.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[field(metavar = "DEGREES", requires("latitude"), range = -180.0..=180.0, says = "give degrees from -180 to 180, east positive")]
     pub longitude_deg: Option<f64>,
-    /// Direction of y clockwise from true north, degrees, added to the convergence of a grid: the
-    /// north axis of EnergyPlus. Coordinates are not rotated.
+    /// Angle of the model's y axis from north, degrees, clockwise as seen from above (the north
+    /// axis of EnergyPlus); coordinates stay.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[field(metavar = "DEGREES", name = "rotate_deg", parse = parse_rotation)]
     pub rotate_deg: Option<f64>,
-    /// True if azimuths in tables of points count from the y axis, in place of true north.
+    /// Count azimuths in the table of points from the y axis, in place of true north.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub grid_north: bool,
-    /// Height above sea level of z = 0 of all files except rasters, metres.
+    /// Height above sea level of z = 0, metres, for all files but terrain.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[field(metavar = "METRES", parse = parse_elevation)]
     pub elevation_m: Option<f64>,
-    /// Metres a unit of all files except rasters, and of rasters in feet where these state no unit
-    /// themselves.
+    /// Metres per unit of all files but terrain: 0.001 for millimetres. 0.3048 and 0.3048006 (feet)
+    /// also apply to terrain whose file does not state its unit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[field(metavar = "METRES", parse = parse_scale)]
     pub scale: Option<f64>,
-    /// Axis that points up in files of formats that do not state it: OBJ, PLY, STL.
+    /// The axis that points up in OBJ, PLY and STL files: z, with y to the north, or y, with z to
+    /// the south [default: z].
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[field(metavar = "AXIS", parse = parse_up)]
     pub up: Option<UpAxis>,
 }
 
@@ -159,5 +168,52 @@ impl SiteFrame {
             Some((key, _)) => Err(key),
             None => Ok(self.under(other)),
         }
+    }
+}
+
+heliotile_core::parse_by_name!(UpAxis);
+
+/// Reads `EPSG:28992`, `epsg:28992` or `28992`.
+pub fn parse_crs(text: &str) -> Result<u32, String> {
+    let upper = text.trim().to_ascii_uppercase();
+    let digits = upper.strip_prefix("EPSG:").unwrap_or(&upper);
+    let number = digits.parse().map_err(|_| "give the number of a system in the EPSG register, such as EPSG:28992")?;
+    check_epsg(number)
+}
+
+fn parse_rotation(text: &str) -> Result<f64, String> {
+    check_rotation(f64::parse(text)?)
+}
+
+fn parse_elevation(text: &str) -> Result<f64, String> {
+    check_elevation(f64::parse(text)?)
+}
+
+fn parse_scale(text: &str) -> Result<f64, String> {
+    check_scale(f64::parse(text)?)
+}
+
+fn parse_up(text: &str) -> Result<UpAxis, String> {
+    UpAxis::parse(&text.to_ascii_lowercase()).map_err(|_| "give y or z".into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Three spellings of RD New are 28992. A system in degrees, an unknown one and a name are
+    /// refused with a hint. Two axes may point up.
+    #[test]
+    fn three_spellings_name_one_system() {
+        for text in ["28992", "EPSG:28992", " epsg:28992"] {
+            assert_eq!(parse_crs(text), Ok(28992), "{text}");
+        }
+        for (text, word) in [("4326", "degrees"), ("EPSG:99999", "not known"), ("RD New", "such as EPSG:28992")] {
+            assert!(parse_crs(text).expect_err(text).contains(word), "{text}");
+        }
+        for (text, axis) in [("y", Some(UpAxis::Y)), ("Z", Some(UpAxis::Z)), ("x", None)] {
+            assert_eq!(parse_up(text).ok(), axis, "{text}");
+        }
+        assert!(parse_scale("nan").is_err());
     }
 }

@@ -1,5 +1,5 @@
-//! Header of a table. In: the first row of a CSV file, names of columns with their aliases. Out: the
-//! places of the columns, and those that no reader asked for.
+//! Header of a table. In: the first row of a CSV file, names of columns with their aliases. Out:
+//! the places of the columns, and those that no reader asked for.
 
 use super::csv_rows::CsvRows;
 use crate::text::excerpt;

@@ -11,7 +11,7 @@ pub use super::rows::{Facing, PointDefaults, PointHeight};
 use heliotile_core::error::{Error, Result};
 
 const NAMES: [Names; 2] = [&["point"], &["receiver"]];
-/// What a header holds, for messages.
+/// Columns of a header, for messages.
 const HINT: &str = "name the columns point,x,y,height,tilt_deg,azimuth_deg, or z in place of height";
 
 /// A place where a module or a person may be.
@@ -120,7 +120,7 @@ mod tests {
             ("a,0,0,-1,30,180", "column `height` is `-1`, below zero"),
             ("a,0,nan,1,30,180", "column `y` is `nan`"),
             ("a,1e12,0,1,30,180", "column `x` is `1e12`"),
-            ("a,0,0,,30,180", "neither a z nor a height"),
+            ("a,0,0,,30,180", "column `height` is ``, not a number"),
             ("a,0,0,1,30,180\nA,0,0,1,30,180", "line 3: column `point` is `A`, the name of the point in line 2 too"),
             (",0,0,1,30,180", "an empty name"),
             ("../a,0,0,1,30,180", "could not be named after it"),

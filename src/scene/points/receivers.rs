@@ -25,7 +25,7 @@ const PART: [Names; ModelPart::COLUMNS.len()] = {
     const ALL: [&str; ModelPart::COLUMNS.len()] = ModelPart::COLUMNS;
     [&[ALL[0]], &[ALL[1]], &[ALL[2]], &[ALL[3]], &[ALL[4]]]
 };
-/// What a header holds, for messages.
+/// Columns of a header, for messages.
 const HINT: &str =
     "name the columns receiver,x,y,z and tilt_deg,azimuth_deg or nx,ny,nz; height may stand in place of z";
 

@@ -65,7 +65,7 @@ impl Facing {
     }
 }
 
-/// What to do about a row that states two directions.
+/// Remedy for a row that states two directions.
 pub const ONE_DIRECTION: &str = "leave out the columns nx,ny,nz or the columns tilt_deg,azimuth_deg";
 
 /// Columns that a table may leave out.
@@ -282,9 +282,10 @@ mod tests {
         Facing { normal, turn: turn.map(|[tilt_deg, azimuth_deg]| Orientation { tilt_deg, azimuth_deg }) }
     }
 
-    /// With y 0.8 degrees clockwise of true north, a wall to the true south has azimuth 180, and its
-    /// normal lies 0.8 degrees beside -y; angles from y give -y. The angles come back to 1e-12. A
-    /// normal and angles that agree to 0.01 degrees are one direction, others are refused with 0.81.
+    /// With y 0.8 degrees clockwise of true north, a wall to the true south has azimuth 180, and
+    /// its normal lies 0.8 degrees beside -y; angles from y give -y. The angles come back to 1e-12.
+    /// A normal and angles that agree to 0.01 degrees are one direction, others are refused with
+    /// 0.81.
     #[test]
     fn azimuths_count_from_true_north() {
         let place = Place { latitude_deg: 47.0, longitude_deg: 8.6, convergence_deg: 0.8, epsg: Some(2056) };

@@ -382,7 +382,7 @@ fn a_street_is_read() {
         landcover: at("landcover"),
         ..SurfaceRasters::of(at("dsm").expect("a path"))
     };
-    let request = crate::request::SceneRequest { surface: Some(rasters), ..Default::default() };
+    let request = crate::request::SceneRequest { surface: rasters, ..Default::default() };
     let site = request.site().expect("a site");
     let (scene, soup) = crate::Scene::load_with_objects(&site).expect("a scene");
     let names: Vec<&str> = scene.materials.iter().map(|material| material.name.as_str()).collect();

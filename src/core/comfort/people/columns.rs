@@ -81,6 +81,8 @@ impl NamedValues for ComfortColumn {
 
 crate::serde_by_name!(ComfortColumn);
 
+crate::parse_by_name!(ComfortColumn);
+
 #[cfg(test)]
 mod tests {
     use super::*;

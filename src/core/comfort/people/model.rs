@@ -71,3 +71,5 @@ impl NamedValues for SunOnPerson {
 }
 
 crate::serde_by_name!(SunOnPerson);
+
+crate::parse_by_name!(SunOnPerson);

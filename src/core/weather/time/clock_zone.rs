@@ -146,6 +146,8 @@ impl ClockZone {
     }
 }
 
+heliotile_requests::parse_by_text!(ClockZone: heliotile_requests::Form::TEXT);
+
 #[cfg(test)]
 mod tests {
     use super::*;

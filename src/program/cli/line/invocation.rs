@@ -4,22 +4,18 @@
 use std::ffi::OsString;
 
 use clap::parser::ValueSource;
-use clap::{Arg, ArgAction, ArgMatches, Command, CommandFactory};
+use clap::{Arg, ArgAction, ArgMatches, Command};
 use serde_json::{Map, Number, Value};
 
 use super::shell_words::quoted;
-use crate::cli::Cli;
+use crate::cli::{Case, command_line};
 use heliotile::Provenance;
 use heliotile::text::without_secrets;
-
-/// Options that change the destination or the duration of a computation, never its values.
-const NEUTRAL: [&str; 11] =
-    ["output", "plot", "faces", "honeybee", "memory", "io", "replace", "geo", "map", "summary", "unmatched"];
 
 /// Returns the provenance that files state, from the matches of a command line. Paths stay as they
 /// were typed.
 pub fn provenance(matches: &ArgMatches) -> Provenance {
-    of(&Cli::command(), matches)
+    of(&command_line(), matches)
 }
 
 /// Returns the command line that resumes stopped work: the same one, without `--fresh`, which would
@@ -37,10 +33,12 @@ fn of(cli: &Command, matches: &ArgMatches) -> Provenance {
         words.push(name.to_string());
         (command, matches) = (found, inside);
     }
+    let case = words.get(1).and_then(|name| Case::of(name));
     let mut options = Map::new();
     for arg in command.get_arguments() {
         let id = arg.get_id().as_str();
-        let (Ok(Some(raw)), false) = (matches.try_get_raw(id), NEUTRAL.contains(&id)) else { continue };
+        let is_stated = case.is_none_or(|case| case.states(id));
+        let (Ok(Some(raw)), true) = (matches.try_get_raw(id), is_stated) else { continue };
         let values: Vec<String> = raw.map(|value| without_secrets(&value.to_string_lossy())).collect();
         let is_flag = !arg.get_action().takes_values();
         let typed = matches.value_source(id) == Some(ValueSource::CommandLine);
@@ -81,7 +79,7 @@ mod tests {
     use super::*;
 
     fn entries(line: &str) -> Vec<(String, String)> {
-        let cli = Cli::command();
+        let cli = command_line();
         let matches = cli.clone().try_get_matches_from(line.split('|')).expect("a command line");
         of(&cli, &matches).entries()
     }

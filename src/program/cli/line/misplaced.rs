@@ -5,17 +5,17 @@ use std::ffi::OsString;
 use std::path::Path;
 
 use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
-use clap::{Command, CommandFactory, FromArgMatches};
+use clap::{ArgMatches, Command, FromArgMatches};
 
 use super::invocation::provenance;
-use crate::cli::Cli;
+use crate::cli::{Asked, Case, Cli, EverywhereArgs, Other, command_line};
 use heliotile::Provenance;
 
 /// Parses the words of a command line, the program's name first. Ends the program if they ask for
 /// help or are wrong.
 pub fn parse(words: &[OsString]) -> (Cli, Provenance) {
-    let parsed = Cli::command().try_get_matches_from(words).and_then(|matches| {
-        let cli = Cli::from_arg_matches(&matches).map_err(|error| error.format(&mut Cli::command()))?;
+    let parsed = command_line().try_get_matches_from(words).and_then(|matches| {
+        let cli = cli_of(&matches).map_err(|error| error.format(&mut command_line()))?;
         Ok((cli, provenance(&matches)))
     });
     parsed.unwrap_or_else(|mut error| {
@@ -26,10 +26,19 @@ pub fn parse(words: &[OsString]) -> (Cli, Provenance) {
     })
 }
 
+fn cli_of(matches: &ArgMatches) -> Result<Cli, Error> {
+    let case = matches.subcommand().and_then(|(name, inside)| Some((Case::of(name)?, inside)));
+    let command = match case {
+        Some((case, inside)) => Asked::Case(case, case.given(inside)),
+        None => Asked::Other(Other::from_arg_matches(matches)?),
+    };
+    Ok(Cli { command, everywhere: EverywhereArgs::from_arg_matches(matches)? })
+}
+
 /// Returns a hint for a file or an option that is typed where the command belongs.
 fn command_first(error: &Error, words: &[OsString]) -> Option<String> {
     let first = words.get(1)?.to_string_lossy().into_owned();
-    let names: Vec<String> = Cli::command().get_subcommands().map(|command| command.get_name().to_owned()).collect();
+    let names: Vec<String> = command_line().get_subcommands().map(|command| command.get_name().to_owned()).collect();
     if names.contains(&first) {
         return None;
     }
@@ -65,7 +74,7 @@ fn of_others(error: &Error) -> Option<String> {
         return None;
     };
     let name = wrong.strip_prefix("--")?.split('=').next()?;
-    let cli = Cli::command();
+    let cli = command_line();
     let takes = |command: &&Command| command.get_arguments().any(|arg| arg.get_long() == Some(name));
     let names: Vec<&str> = cli.get_subcommands().filter(takes).map(Command::get_name).collect();
     let (last, before) = names.split_last()?;
@@ -76,11 +85,10 @@ fn of_others(error: &Error) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::Parser;
 
     fn hint(line: &str) -> Option<String> {
         let words: Vec<OsString> = line.split(' ').map(OsString::from).collect();
-        command_first(&Cli::try_parse_from(&words).err()?, &words)
+        command_first(&command_line().try_get_matches_from(&words).err()?, &words)
     }
 
     /// A scene, an archive and an option before the command get a hint, 4 of 4; a misspelt command
@@ -104,7 +112,7 @@ mod tests {
     /// --sky, `pv` has no --snow, 4 of 4; a misspelt option, which no command has, is left to clap.
     #[test]
     fn options_of_other_commands_are_named() {
-        let hint = |line: &str| of_others(&Cli::try_parse_from(line.split(' ')).err()?);
+        let hint = |line: &str| of_others(&command_line().try_get_matches_from(line.split(' ')).err()?);
         for (line, part) in [
             ("heliotile run a.obj --weather w.epw --sky perez1990", "this command has no --sky; "),
             ("heliotile buildings a.helio -w w.epw --sky=perez1990", "replay"),

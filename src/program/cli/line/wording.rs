@@ -5,16 +5,14 @@
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
-use clap::CommandFactory;
-
-use crate::cli::Cli;
+use crate::cli::command_line;
 use heliotile::Error;
 use heliotile::text::{Named, with_fields};
 
 /// Options by the request field that they fill: the arguments of all commands, without those of the
 /// commands of `study` and `store`.
 static OPTIONS: LazyLock<BTreeMap<String, String>> = LazyLock::new(|| {
-    let cli = Cli::command();
+    let cli = command_line();
     let commands = [&cli].into_iter().chain(cli.get_subcommands());
     let options = commands.flat_map(|command| command.get_arguments());
     options.filter_map(|arg| Some((arg.get_id().to_string(), format!("--{}", arg.get_long()?)))).collect()
@@ -40,7 +38,7 @@ pub fn option_of(field: &str) -> Option<&'static str> {
 /// `None` if there is no such command.
 pub fn command_of(named: &str) -> Option<String> {
     let (name, option) = named.split_once('_').map_or((named, None), |(name, option)| (name, Some(option)));
-    let cli = Cli::command();
+    let cli = command_line();
     let command = cli.find_subcommand(name)?;
     let Some(option) = option else { return Some(name.to_owned()) };
     let long = command.get_arguments().find(|arg| arg.get_id() == option)?.get_long()?;
@@ -82,7 +80,7 @@ mod tests {
     /// A field has one option, whichever command takes it.
     #[test]
     fn options_have_one_name() {
-        for command in Cli::command().get_subcommands() {
+        for command in command_line().get_subcommands() {
             for arg in command.get_arguments() {
                 let Some(long) = arg.get_long() else { continue };
                 assert_eq!(

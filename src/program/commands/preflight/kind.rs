@@ -6,21 +6,9 @@ use std::io::Read;
 use std::path::Path;
 
 use heliotile::archive::format;
+use heliotile::requests::InputKind;
 use heliotile::scene::format_of_name;
 use heliotile::{Error, Result};
-
-/// Kind of file that a command expects.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Wanted {
-    Scene,
-    SceneOrArchive,
-    Archive,
-    Weather,
-    Receivers,
-    Conditions,
-    /// Any file; its reader decides.
-    Other,
-}
 
 /// Kind that a file certainly is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,66 +27,62 @@ enum Kind {
 /// Number of first bytes that are read.
 const HEAD: u64 = 4096;
 
-impl Wanted {
-    /// Refuses a file that is certainly something else, with a hint what to do with it.
-    pub fn check(self, path: &Path) -> Result<()> {
-        let Some(kind) = kind_of(path) else { return Ok(()) };
-        let good = matches!(
-            (self, kind),
-            (Wanted::Other, _)
-                | (Wanted::Scene | Wanted::SceneOrArchive, Kind::Scene(_))
-                | (Wanted::Archive | Wanted::SceneOrArchive, Kind::Archive)
-                | (Wanted::Weather, Kind::Weather(_))
-                | (Wanted::Receivers, Kind::Receivers)
-                | (Wanted::Conditions, Kind::Conditions)
-        );
-        if good {
-            return Ok(());
-        }
-        let what = format!("is {}, not {}", kind.name(), self.name());
-        Err(Error::input(path, None, what, self.advice(kind, &path.display().to_string())))
+/// Refuses a file that is certainly something else, with a hint what to do with it.
+pub fn check(wanted: InputKind, path: &Path) -> Result<()> {
+    let Some(kind) = kind_of(path) else { return Ok(()) };
+    let good = matches!(
+        (wanted, kind),
+        (InputKind::Any, _)
+            | (InputKind::Scene | InputKind::SceneOrArchive, Kind::Scene(_))
+            | (InputKind::Archive | InputKind::SceneOrArchive, Kind::Archive)
+            | (InputKind::Weather, Kind::Weather(_))
+            | (InputKind::Receivers, Kind::Receivers)
+            | (InputKind::Conditions, Kind::Conditions)
+    );
+    if good {
+        return Ok(());
     }
+    let what = format!("is {}, not {}", kind.name(), name(wanted));
+    Err(Error::input(path, None, what, advice(wanted, kind, &path.display().to_string())))
+}
 
-    fn name(self) -> &'static str {
-        match self {
-            Wanted::Scene => "a scene",
-            Wanted::SceneOrArchive => "an archive or a scene",
-            Wanted::Archive => "an archive",
-            Wanted::Weather => "weather",
-            Wanted::Receivers => "a table of receivers",
-            Wanted::Conditions => "a table of conditions",
-            Wanted::Other => "what is needed here",
-        }
+fn name(wanted: InputKind) -> &'static str {
+    match wanted {
+        InputKind::Scene => "a scene",
+        InputKind::SceneOrArchive => "an archive or a scene",
+        InputKind::Archive => "an archive",
+        InputKind::Weather => "weather",
+        InputKind::Receivers => "a table of receivers",
+        InputKind::Conditions => "a table of conditions",
+        InputKind::Any => "what is needed here",
     }
+}
 
-    fn advice(self, kind: Kind, file: &str) -> String {
-        match (self, kind) {
-            (Wanted::Weather, Kind::Scene(_)) => {
-                format!("give scene files without an option: heliotile run {file} --weather WEATHER.epw")
-            }
-            (_, Kind::Archive) => {
-                format!("replay the archive without tracing: heliotile replay {file} --weather WEATHER.epw")
-            }
-            (Wanted::Archive, Kind::Scene(_)) => {
-                format!("trace the scene to an archive first: heliotile run {file} --weather WEATHER.epw")
-            }
-            (Wanted::Conditions, Kind::Weather(_)) => format!("heliotile replay SITE.helio --weather {file}"),
-            (Wanted::SceneOrArchive, Kind::Weather(_)) => {
-                format!("describe weather by: heliotile info --weather {file}")
-            }
-            (_, Kind::Weather(_)) => format!("give weather with its option: --weather {file}"),
-            (_, Kind::Receivers) => format!("give receivers with their option: --receivers {file}"),
-            (_, Kind::Conditions) => format!("heliotile query SITE.helio --conditions {file}"),
-            (Wanted::Receivers, Kind::Scene(_)) => {
-                format!("make receivers for the scene: heliotile receivers {file} -o receivers.csv")
-            }
-            (_, Kind::Scene(_)) => {
-                format!("give scene files without an option: heliotile run {file} --weather WEATHER.epw")
-            }
-            (_, Kind::Results) => {
-                "this table holds results of heliotile: give the inputs that they were made from".into()
-            }
+fn advice(wanted: InputKind, kind: Kind, file: &str) -> String {
+    match (wanted, kind) {
+        (InputKind::Weather, Kind::Scene(_)) => {
+            format!("give scene files without an option: heliotile run {file} --weather WEATHER.epw")
         }
+        (_, Kind::Archive) => {
+            format!("replay the archive without tracing: heliotile replay {file} --weather WEATHER.epw")
+        }
+        (InputKind::Archive, Kind::Scene(_)) => {
+            format!("trace the scene to an archive first: heliotile run {file} --weather WEATHER.epw")
+        }
+        (InputKind::Conditions, Kind::Weather(_)) => format!("heliotile replay SITE.helio --weather {file}"),
+        (InputKind::SceneOrArchive, Kind::Weather(_)) => {
+            format!("describe weather by: heliotile info --weather {file}")
+        }
+        (_, Kind::Weather(_)) => format!("give weather with its option: --weather {file}"),
+        (_, Kind::Receivers) => format!("give receivers with their option: --receivers {file}"),
+        (_, Kind::Conditions) => format!("heliotile query SITE.helio --conditions {file}"),
+        (InputKind::Receivers, Kind::Scene(_)) => {
+            format!("make receivers for the scene: heliotile receivers {file} -o receivers.csv")
+        }
+        (_, Kind::Scene(_)) => {
+            format!("give scene files without an option: heliotile run {file} --weather WEATHER.epw")
+        }
+        (_, Kind::Results) => "this table holds results of heliotile: give the inputs that they were made from".into(),
     }
 }
 

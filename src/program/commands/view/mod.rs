@@ -8,24 +8,24 @@ use std::path::Path;
 
 use super::console::terminal::Terminal;
 use super::{Outcome, remark, warn};
-use crate::cli::ViewArgs;
 use heliotile::archive::{OpenSite, hold, open_archive};
 use heliotile::atlas::{Atlas, PARTS, archive_of, built, list};
+use heliotile::cases::View;
 use heliotile::output::{ViewerPage, packed};
 use heliotile::remote::{is_address, shown};
 use heliotile::scene::{input, read_weather_as};
 use heliotile::tables::open_after;
 use heliotile::weather::far_apart;
-use heliotile::{Access, Error, Result};
+use heliotile::{Access, Error, Provenance, Result};
 use server::{Served, ServedArchive, serve};
 
 /// Default port of the page; if it is taken, any free port is used.
 const PORT: u16 = 8017;
 
 /// `heliotile view`.
-pub fn run(args: &ViewArgs) -> Result<Outcome> {
+pub fn run(args: &View, _: Provenance) -> Result<Outcome> {
     // The first archive is shown first; the page itself opens the others.
-    let (parts, first) = match Atlas::find(&args.archive)? {
+    let (parts, first) = match Atlas::find(&args.page.archive)? {
         Some(atlas) if atlas.folder.is_remote() => {
             let hint = "copy the atlas to a folder, or open its view.html, which `catalogue` writes and `copy` uploads";
             return Err(Error::input(&atlas.shown(), None, "is a remote atlas, and only local ones are served", hint));
@@ -33,7 +33,7 @@ pub fn run(args: &ViewArgs) -> Result<Outcome> {
         Some(atlas) => {
             (atlas.parts(None)?, built(&atlas)?.into_iter().next().map(|(_, path)| path).unwrap_or_default())
         }
-        None => (Vec::new(), args.archive.clone()),
+        None => (Vec::new(), args.page.archive.clone()),
     };
     let archive = open_archive(&first, Access::Read)?;
     OpenSite::of(&archive)?;
@@ -42,11 +42,11 @@ pub fn run(args: &ViewArgs) -> Result<Outcome> {
         false => ViewerPage::default().with_option("parts", PARTS),
     };
     let mut after = None;
-    if let Some(place) = &args.with {
+    if let Some(place) = &args.page.with {
         if !parts.is_empty() {
             let what = "is an atlas, and only archives are shown before and after a change";
             return Err(Error::input(
-                &args.archive,
+                &args.page.archive,
                 None,
                 what,
                 "give the site.helio of a part, and with {with} that of the part after the change",
@@ -57,23 +57,23 @@ pub fn run(args: &ViewArgs) -> Result<Outcome> {
         after = Some(served(place, opened.path())?);
     }
     let mut weather = None;
-    if let Some(path) = &args.weather {
+    if let Some(path) = &args.page.weather {
         let place = archive.manifest().place;
-        let read = read_weather_as(path, &args.about_weather.options(false), &mut || Ok(place))?;
+        let read = read_weather_as(path, &args.page.about_weather, &mut || Ok(place))?;
         read.report.warnings.iter().for_each(|w| warn(w));
         place.and_then(|place| far_apart(&place, &read)).iter().for_each(|apart| warn(apart));
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         page = page.with_option("weather", server::WEATHER).with_option("weatherName", name);
-        page = page.with_clock(&args.about_weather.options(false));
+        page = page.with_clock(&args.page.about_weather);
         weather = Some(input::read(path)?);
     }
     let listener = listen(args.port)?;
     let address = listener.local_addr().map_err(Error::io(archive.path(), "find an address for"))?;
-    remark(&format!("{} is shown at http://{address}/ until Ctrl-C\n", shown(&args.archive).display()))?;
+    remark(&format!("{} is shown at http://{address}/ until Ctrl-C\n", shown(&args.page.archive).display()))?;
     let page = page.html();
     let packed_page = packed(page.as_bytes()).map_err(Error::io(archive.path(), "pack the page of"))?;
     let archive = match parts.is_empty() {
-        true => served(&args.archive, archive.path())?,
+        true => served(&args.page.archive, archive.path())?,
         false => {
             let files =
                 parts.iter().filter_map(|part| archive_of(part).map(|(at, path)| (format!("/{at}"), path.clone())));

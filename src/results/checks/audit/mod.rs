@@ -5,6 +5,7 @@
 mod report;
 mod texts;
 
+use heliotile_requests::Request;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -38,31 +39,45 @@ const HOURS: usize = 8;
 const FEW: usize = 64;
 
 /// Request for an audit.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, Request)]
 #[serde(default, deny_unknown_fields)]
 pub struct AuditRequest {
-    /// Path or address of the archive.
+    /// Archive to audit.
+    #[field(positional, required, input = Archive)]
     pub archive: PathBuf,
     /// Scene that the archive was built from; the archive states its place.
+    #[field(flatten, without("grid_north"))]
     pub scene: SceneRequest,
-    /// Weather file whose hours count; without it and without `conditions`: suns from all sides.
+    /// Weather file from which hours are sampled, 12 positions of the sun in each [default: suns
+    /// from all sides].
+    #[field(short = 'w', input = Weather)]
     pub weather: Option<PathBuf>,
     /// Facts about the weather file that it does not state itself.
+    #[field(flatten, without("latitude", "longitude"), heading = "About the weather file")]
     pub about_weather: WeatherOptions,
-    /// Table of suns and skies, in place of weather.
+    /// Table of suns and skies in place of weather, as for `query`:
+    /// condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2. If it has up to 64 rows, each
+    /// receiver is checked under all of them.
+    #[field(short = 'c', metavar = "FILE", conflicts("weather"), input = Conditions)]
     pub conditions: Option<PathBuf>,
-    /// Largest number of receivers; `None`: 256, or as many as the time allows.
+    /// Number of receivers to check [default: 256, or as many as --seconds allow].
+    #[field(metavar = "N", range = 1..=u32::MAX)]
     pub samples: Option<u32>,
-    /// Largest number of hours of each receiver; `None`: 8, or all of a table of up to 64
-    /// conditions.
+    /// Number of hours to check for each receiver [default: 8, or all rows of --conditions if they
+    /// are 64 or fewer].
+    #[field(metavar = "N", range = 1..=u32::MAX)]
     pub hours: Option<u32>,
-    /// Seconds after which no further receiver is begun.
+    /// Time limit, seconds: no receiver is started after it.
+    #[field(metavar = "S", parse = parse_seconds)]
     pub seconds: Option<f64>,
     /// Number of light paths that the reference path tracer follows from each receiver.
+    #[field(metavar = "N", default = 4096, range = 16..=1 << 24)]
     pub paths: u32,
     /// Seed of the random choice of receivers, hours and paths.
+    #[field(metavar = "N", default = 1)]
     pub seed: u64,
-    /// Model of the sky's radiance distribution.
+    /// Sky radiance distribution: perez, uniform, or cie:1 to cie:16.
+    #[field(default = "perez")]
     pub sky: SkyModel,
 }
 
@@ -169,4 +184,9 @@ impl AuditRequest {
 /// Returns true if `seconds` is a duration above 0 and below 1e9 s.
 pub fn is_time(seconds: f64) -> bool {
     seconds.is_finite() && seconds > 0.0 && seconds < 1e9
+}
+
+fn parse_seconds(text: &str) -> std::result::Result<f64, String> {
+    let seconds = text.parse().ok().filter(|seconds| is_time(*seconds));
+    seconds.ok_or_else(|| "give a number of seconds above 0".into())
 }

@@ -191,6 +191,6 @@ mod tests {
             let word = format!("  {}: \"{}\",\n", component.name(), word.replacen('s', "S", 1));
             assert!(words.contains(&colour) && words.contains(&word), "{colour} {word}");
         }
-        assert_eq!(label(Component::SunReflectedGround), "sun diffuse ground");
+        assert_eq!(label(Component::SunReflectedGround), "sun reflected ground");
     }
 }

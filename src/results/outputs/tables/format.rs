@@ -152,3 +152,13 @@ pub fn files_of(path: &Path) -> Vec<PathBuf> {
     let beside = Format::known(path).and_then(|format| format.beside(path));
     [Some(path.to_path_buf()), beside].into_iter().flatten().collect()
 }
+
+/// Returns the endings of tables and their formats, for help.
+pub fn table_endings() -> Vec<(&'static str, &'static str)> {
+    Format::ENDINGS.iter().map(|(ending, ..)| (*ending, "")).collect()
+}
+
+/// Returns the help of an option that names a table to write: its subject, and the endings.
+pub fn table_help(table: &str) -> String {
+    format!("{table}: {}", Format::described())
+}

@@ -289,6 +289,8 @@ impl NamedValues for By {
 
 heliotile_core::serde_by_name!(By);
 
+heliotile_core::parse_by_name!(By);
+
 #[cfg(test)]
 mod tests {
     use super::*;

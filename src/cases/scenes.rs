@@ -1,0 +1,336 @@
+//! Requests of commands that read scenes and trace them.
+
+use std::path::{Path, PathBuf};
+
+use heliotile_builder::planning::{AccuracyRequest, parse_negligible, parse_preview};
+use heliotile_builder::settings::{EffectChoice, Share};
+use heliotile_builder::spill::parse_memory;
+use heliotile_core::memory::MemoryBudget;
+use heliotile_core::units::parse_metres;
+use heliotile_core::weather::options::WeatherOptions;
+use heliotile_energyplus::EnergyplusRequest;
+use heliotile_requests::Request;
+use heliotile_results::along::AlongRequest;
+use heliotile_results::covering::{CoverRequest, Density};
+use heliotile_results::pv::PvRequest;
+use heliotile_results::{RunRequest, TradeoffRequest, UpdateRequest};
+use heliotile_scene::edit::SceneEdits;
+use heliotile_scene::request::SceneRequest;
+
+/// Request of `run`.
+#[derive(Clone, Debug, Default, Request)]
+pub struct Run {
+    /// What is computed.
+    #[field(flatten)]
+    pub request: RunRequest,
+    /// Memory to work in, such as 512MiB or 2GiB.
+    #[field(default = "4GiB", parse = parse_memory, neutral)]
+    pub memory: MemoryBudget,
+}
+
+/// Request of `energyplus`.
+#[derive(Clone, Debug, Default, Request)]
+pub struct Energyplus {
+    /// What is computed.
+    #[field(flatten)]
+    pub request: EnergyplusRequest,
+    /// Memory to work in, such as 512MiB or 2GiB.
+    #[field(default = "4GiB", parse = parse_memory, neutral)]
+    pub memory: MemoryBudget,
+}
+
+/// Request of `pv`.
+#[derive(Clone, Debug, Default, Request)]
+pub struct Pv {
+    /// What is computed.
+    #[field(flatten)]
+    pub request: PvRequest,
+    /// Memory to work in, such as 512MiB or 2GiB.
+    #[field(default = "4GiB", parse = parse_memory, neutral)]
+    pub memory: MemoryBudget,
+}
+
+/// Request of `tradeoff`.
+#[derive(Clone, Debug, Default, Request)]
+pub struct Tradeoff {
+    /// What is measured.
+    #[field(flatten)]
+    pub request: TradeoffRequest,
+    /// Memory to work in, such as 512MiB or 2GiB.
+    #[field(default = "4GiB", parse = parse_memory, neutral)]
+    pub memory: MemoryBudget,
+}
+
+/// Request of `update`.
+#[derive(Clone, Debug, Default, Request)]
+pub struct Update {
+    /// Archive to edit, which must hold the triangles of its scene: a path or an address.
+    #[field(positional, metavar = "BEFORE.helio", input = Archive)]
+    pub before: PathBuf,
+    /// Archive to write.
+    #[field(short = 'o', metavar = "AFTER.helio", output = Archive, required)]
+    pub output: PathBuf,
+    /// Add the objects of a scene file, in the coordinates of the scene; may be repeated.
+    #[field(metavar = "FILE", input = Scene)]
+    pub add: Vec<PathBuf>,
+    /// Edits of the objects.
+    #[field(flatten)]
+    pub edits: SceneEdits,
+    /// Materials and place of what is added.
+    #[field(
+        flatten,
+        without(
+            "scene",
+            "dsm",
+            "dem",
+            "canopy",
+            "landcover",
+            "height",
+            "storey_height",
+            "base",
+            "height_above",
+            "layer",
+            "grid_north"
+        )
+    )]
+    pub scene: SceneRequest,
+    /// Surfaces of new or reshaped objects to cover with receivers, as for `receivers`.
+    #[field(delimiter = ',')]
+    pub on: Vec<String>,
+    /// Distance between the receivers on new or reshaped objects, such as 2m [default: about that
+    /// of the archive's own].
+    #[field(metavar = "LENGTH", parse = parse_metres)]
+    pub spacing_m: Option<f64>,
+    /// Keep light that the edits alter by less than this share of the light on open ground, on
+    /// average over the sky, such as 1%. The new archive is marked as a preview; the same command
+    /// without this option completes it.
+    #[field(metavar = "PERCENT", parse = parse_preview)]
+    pub preview_percent: Option<f64>,
+    /// Discard an interrupted update at the output path and start again. Without this option an
+    /// update with the same edits is resumed.
+    #[field(neutral)]
+    pub fresh: bool,
+    /// Memory to work in, such as 512MiB or 2GiB.
+    #[field(default = "4GiB", parse = parse_memory, neutral)]
+    pub memory: MemoryBudget,
+}
+
+/// Request of `receivers`.
+#[derive(Clone, Debug, Default, Request)]
+pub struct Receivers {
+    /// Scene that gets receivers.
+    #[field(flatten, without("grid_north"))]
+    pub scene: SceneRequest,
+    /// Table of receivers to write, CSV, or - for standard output:
+    /// receiver,x,y,z,nx,ny,nz,area_m2,surface, and the object, building and kind that each
+    /// receiver stands for.
+    #[field(short = 'o', default = "-", output = Csv)]
+    pub output: Option<PathBuf>,
+    /// Surfaces that get receivers.
+    #[field(flatten)]
+    pub cover: CoverRequest,
+    /// Table to write of receivers that are left out because they are buried in an object or the
+    /// terrain, with the same columns and `reason`.
+    #[field(metavar = "FILE", output = Csv)]
+    pub buried: Option<PathBuf>,
+    /// Put receivers along lines, such as roads, in place of surfaces, --spacing apart and facing
+    /// the direction of travel: a CSV file of the corners of the lines with columns x and y, and
+    /// optionally z and line (a name).
+    #[field(metavar = "FILE", conflicts("on", "types", "per_surface", "buried", "offset", "min_area"), input = Any)]
+    pub along: Option<PathBuf>,
+    /// Height of the receivers, the eyes of drivers, above the z of --along, or above the ground of
+    /// the scene where --along states no z.
+    #[field(metavar = "LENGTH", default = "1.2m", requires("along"), parse = parse_metres)]
+    pub eye_height_m: Option<f64>,
+    /// Add receivers of --along that face backwards, for travel in both directions.
+    #[field(requires("along"))]
+    pub both_ways: bool,
+}
+
+/// Request of `build`.
+#[derive(Clone, Debug, Default, Request)]
+#[request(skips = Build::skipped)]
+pub struct Build {
+    /// Scene to trace, or the folder of an atlas.
+    #[field(flatten)]
+    pub scene: SceneRequest,
+    /// Table of receivers, CSV with columns receiver,x,y,z, tilt_deg,azimuth_deg (from true north)
+    /// or nx,ny,nz, and optionally area_m2,surface; height (above the roof or ground below) may
+    /// stand for z.
+    #[field(short = 'r', input = Receivers)]
+    pub receivers: Option<PathBuf>,
+    /// Archive to write.
+    #[field(short = 'o', metavar = "SITE.helio", output = Archive)]
+    pub output: Option<PathBuf>,
+    /// Build one part of an atlas, by its name or number, or `all` parts. SCENE is then the folder
+    /// or address of the atlas, which states inputs and settings.
+    #[field(
+        metavar = "K",
+        conflicts(
+            "receivers",
+            "output",
+            "materials",
+            "materials_only",
+            "no_ground",
+            "assume_version",
+            "crs",
+            "latitude",
+            "longitude",
+            "rotate_deg",
+            "grid_north",
+            "elevation",
+            "scale",
+            "up",
+            "effects",
+            "negligible",
+            "preview",
+            "weather",
+            "store",
+            "no_scene",
+            "error",
+            "set",
+            "quality",
+            "share"
+        )
+    )]
+    pub part: Option<String>,
+    /// Seconds between checkpoints: a crash loses no more work than this.
+    #[field(metavar = "SECONDS", default = 30, neutral, range = 0..=u32::MAX, says = "give whole seconds from 0 (a checkpoint whenever something is written) to 4294967295")]
+    pub checkpoint: Option<u32>,
+    /// Discard an interrupted build at the output path and start again. Without this option a build
+    /// of the same inputs is resumed, and a build of other inputs is an error.
+    #[field(neutral)]
+    pub fresh: bool,
+    /// Sharing of probes (traced samples of what the surroundings see) between receivers.
+    #[field(default = "cells", conflicts("error"))]
+    pub share: Share,
+    /// Light paths to trace besides direct sun and sky: `auto` (those that can matter in the
+    /// scene), `all`, `none`, or some of diffuse, bounces, mirrors, canopies, leaves.
+    #[field(metavar = "LIST", default = EffectChoice::Auto)]
+    pub effects: EffectChoice,
+    /// Leave out light paths that add no more than this share of the sum over --weather, in any
+    /// group of receivers, such as 0.5%.
+    #[field(metavar = "PERCENT", requires("weather"), conflicts("effects"), parse = parse_negligible)]
+    pub negligible_percent: Option<f64>,
+    /// Weather file of --negligible: light paths are left out by what they add under it.
+    #[field(short = 'w', metavar = "FILE", requires("negligible"), input = Weather)]
+    pub weather: Option<PathBuf>,
+    /// Cache folder with traces of earlier builds of any project: what it holds is not traced
+    /// again, and the traces of this build are added.
+    #[field(metavar = "FOLDER", output = SharedFolder)]
+    pub store: Option<PathBuf>,
+    /// Archive of this scene before a change, or with --part an atlas of it; a path or an address.
+    /// Only light that the change can alter is traced; the new archive has the same bytes as
+    /// without this option.
+    #[field(metavar = "BEFORE.helio", input = Archive)]
+    pub from: Option<PathBuf>,
+    /// Keep light of --from that the change alters by less than this share of the light on open
+    /// ground, on average over the sky, such as 1%. The new archive is marked as a preview; the
+    /// same command without this option completes it.
+    #[field(metavar = "PERCENT", requires("from"), parse = parse_preview)]
+    pub preview_percent: Option<f64>,
+    /// Leave the scene's triangles out of the archive, if they may not be passed on.
+    pub no_scene: bool,
+    /// Accuracy of the archive.
+    #[field(flatten)]
+    pub accuracy: AccuracyRequest,
+    /// Memory to work in, such as 512MiB or 2GiB; what does not fit goes to temporary files beside
+    /// the archive.
+    #[field(default = "4GiB", parse = parse_memory, neutral)]
+    pub memory: MemoryBudget,
+    /// Facts about the weather files.
+    #[field(
+        flatten,
+        without("latitude", "longitude"),
+        heading = "About the weather file",
+        needs("weather", "error_weather")
+    )]
+    pub about_weather: WeatherOptions,
+}
+
+/// Request of `plan`.
+#[derive(Clone, Debug, Default, Request)]
+pub struct Plan {
+    /// Scene to trace.
+    #[field(flatten)]
+    pub scene: SceneRequest,
+    /// Table of receivers, CSV with columns receiver,x,y,z, tilt_deg,azimuth_deg (from true north)
+    /// or nx,ny,nz, and optionally area_m2,surface; height (above the roof or ground below) may
+    /// stand for z.
+    #[field(short = 'r', input = Receivers, required)]
+    pub receivers: PathBuf,
+    /// Light paths to trace besides direct sun and sky: `auto` (those that can matter in the
+    /// scene), `all`, `none`, or some of diffuse, bounces, mirrors, canopies, leaves.
+    #[field(metavar = "LIST", default = EffectChoice::Auto)]
+    pub effects: EffectChoice,
+    /// Weather file under which to print also the light that each light path adds, by group of
+    /// receivers.
+    #[field(short = 'w', metavar = "FILE", input = Weather)]
+    pub weather: Option<PathBuf>,
+    /// Leave out light paths that add no more than this share of the sum over --weather, in any
+    /// group of receivers, such as 0.5%.
+    #[field(metavar = "PERCENT", requires("weather"), conflicts("effects"), parse = parse_negligible)]
+    pub negligible_percent: Option<f64>,
+    /// Accuracy of the archive.
+    #[field(flatten)]
+    pub accuracy: AccuracyRequest,
+    /// Memory to work in, such as 512MiB or 2GiB.
+    #[field(default = "4GiB", parse = parse_memory, neutral)]
+    pub memory: MemoryBudget,
+    /// Facts about the weather files.
+    #[field(
+        flatten,
+        without("latitude", "longitude"),
+        heading = "About the weather file",
+        needs("weather", "error_weather")
+    )]
+    pub about_weather: WeatherOptions,
+}
+
+impl Update {
+    /// Returns the request of the library.
+    pub fn request(&self) -> UpdateRequest {
+        UpdateRequest {
+            before: self.before.clone(),
+            output: self.output.clone(),
+            edits: self.edits.clone(),
+            add: SceneRequest { files: self.add.clone(), ..self.scene.clone() },
+            cover: CoverRequest { on: self.on.clone(), ..CoverRequest::default() },
+            density: self.spacing_m.map(Density::Spacing),
+            preview_percent: self.preview_percent,
+            fresh: self.fresh,
+        }
+    }
+}
+
+impl Receivers {
+    /// Returns the table to write; `-`: standard output.
+    pub fn output(&self) -> &Path {
+        self.output.as_deref().unwrap_or(Path::new("-"))
+    }
+
+    /// Returns the lines that receivers go along, if they are given.
+    pub fn lines(&self) -> Option<AlongRequest> {
+        let spacing_m = if let Density::Spacing(metres) = self.cover.density { metres } else { 2.0 };
+        let (height_m, both_ways) = (self.eye_height_m.unwrap_or(EYES_M), self.both_ways);
+        Some(AlongRequest { lines: self.along.clone()?, spacing_m, height_m, both_ways })
+    }
+}
+
+/// Height of the eyes of drivers above the road, metres.
+const EYES_M: f64 = 1.2;
+
+/// Seconds between checkpoints.
+const CHECKPOINT_S: u32 = 30;
+
+impl Build {
+    /// Returns the seconds between checkpoints.
+    pub fn checkpoint_s(&self) -> u32 {
+        self.checkpoint.unwrap_or(CHECKPOINT_S)
+    }
+
+    /// An atlas is recognised when it is read.
+    fn skipped(&self) -> Vec<&'static str> {
+        if self.part.is_some() { vec!["scene", "from"] } else { Vec::new() }
+    }
+}

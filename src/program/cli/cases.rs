@@ -1,0 +1,315 @@
+//! The commands whose requests declare their fields. In: words of a command line. Out: texts by
+//! field, and the command that takes them.
+
+use clap::builder::{PossibleValue, PossibleValuesParser, ValueParser};
+use clap::parser::ValueSource;
+use clap::{Arg, ArgAction, ArgGroup, ArgMatches, Command};
+
+use crate::commands::{
+    Outcome, atlas, audit, build, comfort, copy, energyplus, export, inspect, pv, receivers, repair, replay, run,
+    start, sunlight, tradeoff, transfer, update, view,
+};
+use heliotile::atlas::{PartitionRequest, VerifyRequest};
+use heliotile::cases::*;
+use heliotile::requests::{Group, GroupKind, Many, Request, Role, Row};
+use heliotile::{Provenance, Result};
+
+/// Texts of the fields that were typed, by name.
+pub type Given = Vec<(String, Vec<String>)>;
+
+/// A command.
+pub struct Case {
+    /// Name of the command.
+    pub name: &'static str,
+    /// What it does.
+    pub about: &'static str,
+    /// Its fields.
+    pub rows: fn() -> Vec<Row>,
+    groups: fn() -> Vec<Group>,
+    /// Fills the request and runs the command.
+    pub run: fn(&Given, Provenance) -> Result<Outcome>,
+}
+
+macro_rules! cases {
+    ($(($name:literal, $request:ty, $run:path, $about:literal)),+ $(,)?) => {
+        /// All commands with such requests.
+        pub const CASES: &[Case] = &[$(Case {
+            name: $name,
+            about: $about,
+            rows: <$request as Request>::rows,
+            groups: <$request as Request>::groups,
+            run: |given, about| start::<$request>(given, about, $run),
+        }),+];
+    };
+}
+
+cases![
+    (
+        "run",
+        Run,
+        run::run,
+        "Compute a year of solar irradiation from scene files with one command: receivers, archive, sums, map"
+    ),
+    (
+        "energyplus",
+        Energyplus,
+        energyplus::run,
+        "Add the sunlight that its surroundings reflect to an EnergyPlus model; an unmodified EnergyPlus then runs it with any weather"
+    ),
+    (
+        "pv",
+        Pv,
+        pv::run,
+        "Compute hourly irradiance on both sides of solar modules, with shading losses, horizons and the best tilt and azimuth"
+    ),
+    (
+        "receivers",
+        Receivers,
+        receivers::run,
+        "Cover the surfaces of a scene with receivers: the points at which light is computed"
+    ),
+    ("build", Build, build::run, "Trace once what every receiver of a scene sees, and store it in an archive"),
+    (
+        "update",
+        Update,
+        update::run,
+        "Edit the scene of an archive: add, remove, move, raise or repaint objects. Only light that the edits can alter is traced again"
+    ),
+    (
+        "partition",
+        PartitionRequest,
+        atlas::partition,
+        "Cut a region into parts (an atlas) that are built one by one, on any machines, and then queried like one archive"
+    ),
+    (
+        "catalogue",
+        Catalogue,
+        atlas::catalogue,
+        "Write a static STAC catalogue of the parts of an atlas, with pictures and a page"
+    ),
+    ("find", Find, atlas::find, "List the parts of an atlas that touch a box"),
+    (
+        "plan",
+        Plan,
+        build::plan,
+        "Forecast the rays and seconds of a build, and the light that is lost if a light path is left out"
+    ),
+    (
+        "tradeoff",
+        Tradeoff,
+        tradeoff::run,
+        "Measure the time and error of each accuracy level on some receivers of a site, as tables, pictures and a page"
+    ),
+    ("query", Query, replay::query, "Compute the irradiance of every receiver under the suns and skies of a table"),
+    (
+        "replay",
+        Replay,
+        replay::replay,
+        "Compute the irradiance of every receiver through a weather file, by hour or as sums"
+    ),
+    (
+        "compare",
+        Compare,
+        replay::compare,
+        "Compare the light of a site before and after a change: both values, their difference, and a summary of the losses"
+    ),
+    (
+        "sunlight",
+        Sunlight,
+        sunlight::run,
+        "Compute hours of possible sun on given days, and check rules for windows, facades and gardens"
+    ),
+    (
+        "glare",
+        Glare,
+        sunlight::glare,
+        "Find when mirrors and glass facades reflect the sun to receivers, and which pane does, and check rules on glare"
+    ),
+    (
+        "comfort",
+        Comfort,
+        comfort::run,
+        "Compute thermal comfort of people outdoors: mean radiant temperature, UTCI and PET at points of a site, by hour or over periods"
+    ),
+    ("rules", Rules, sunlight::rules, "List the rules that `sunlight` and `glare` can check"),
+    (
+        "factors",
+        Factors,
+        replay::factors,
+        "Compute EnergyPlus's reflection factors: the light that surroundings reflect to receivers or surfaces, by position of the sun"
+    ),
+    (
+        "buildings",
+        Buildings,
+        replay::buildings,
+        "Write a solar cadastre of buildings and roof faces: usable area, sums by orientation, best usable region"
+    ),
+    (
+        "places",
+        Places,
+        replay::places,
+        "Find the best places for modules on roofs and facades, as points that `pv` reads"
+    ),
+    ("info", Info, inspect::info, "Describe an archive, an atlas or scene files"),
+    ("verify", VerifyRequest, inspect::verify, "Check every block of an archive; exit code 1 if one is damaged"),
+    (
+        "audit",
+        Audit,
+        audit::run,
+        "Check an archive against an independent reference path tracer for random receivers and hours; exit code 1 if the error is larger than the archive states"
+    ),
+    ("repair", Repair, repair::run, "Trace the damaged parts of an archive again"),
+    ("extract", Extract, transfer::extract, "Write some receivers of an archive into a new archive"),
+    ("merge", Merge, transfer::merge, "Write the union of two archives of one scene"),
+    ("diff", Diff, transfer::diff, "List the differences of two archives; exit code 1 if they differ"),
+    ("copy", Copy, copy::run, "Copy an archive or an atlas to or from an object store, or from a web server"),
+    (
+        "view",
+        View,
+        view::run,
+        "Show an archive in the browser of this machine: any sun, sky, weather and reflectance, live"
+    ),
+    (
+        "export",
+        Export,
+        export::run,
+        "Export what a receiver sees as images, view factors of all receivers as a table, or a page that shows the archive"
+    ),
+];
+
+/// Text at the end of the help of some commands.
+const MORE: [(&str, &str); 3] = [
+    ("copy", "\
+FROM, TO or both are addresses: s3://BUCKET/NAME, gs://BUCKET/NAME or az://CONTAINER/NAME; https://HOST/NAME can only be read. An object
+appears under its name when it is complete. If two programs write one name at the same time, one succeeds and the other reports an error. An
+archive of more than 16 MiB is stored as NAME.ROOT.helio, and NAME is a small pointer that every command follows. An atlas, named by its folder
+or address, is copied as a whole, atlas.json last. Files that are already there and equal are not sent again, so the same command resumes an
+interrupted copy. Credentials come from environment variables: see src/book/remote.md."),
+    ("view", "\
+With --with the page switches between before, after and change. The change covers the receivers that both archives hold: those with the same
+position and direction, whatever their names, and those with the same name.
+
+An atlas is shown one part at a time; choose the part on the plan in the page.
+
+The page is served on 127.0.0.1, to this machine only, until Ctrl-C. It reads the archive and does not change it. To show an archive elsewhere,
+put it on any web server that supports range requests and open the page with ?url=ADDRESS (and &with=ADDRESS for the archive after a change), or
+write a page that contains it with `heliotile export SITE.helio --html PAGE.html`. On a machine without a screen: `ssh -L 8017:127.0.0.1:8017 MACHINE`."),
+    ("export", "\
+An .exr file has three parts, or four if the receiver sees sky in mirrors (f32, texels of equal solid angle, see schema/layers.md). The attribute
+`heliotile` of each part describes its contents as JSON. Parts and their channels:
+  sky       upper hemisphere of the world, first line towards y: visible, weight_sr; with --sun also sky_direct, sun_direct
+  hit       hemisphere of the surface, first line up the surface: class (1 ground, 2 obstruction), material, cell, mirrors
+            passed, weight_sr; with --sun also sun_reflected, sky_reflected: the radiance of what is seen there
+  response  upper hemisphere of the world: ground.x to obstruction.z, reflected light by the direction of its source;
+            with --sun also weight_sr, sky_reflected: the radiance of the sky there
+  mirror    upper hemisphere of the world, by the direction that light has in the sky: weight_sr;
+            with --sun also sky_mirrored, sun_mirrored
+Behind canopies, `sky` also has `through`, the share of light that passes them. Channels named like a column of `query` are radiances, W/(m2 sr):
+their sum over the texels of a part, each times weight_sr, is that column.
+
+A .png shows the upper hemisphere, equidistant (fisheye), zenith in the middle, y up, x right as on a map, N at true north. With --weather or
+--latitude it shows the sun's paths at the solstices and equinoxes, and the sun's position at each full hour through the year. With --panel and
+--sun it has six pictures as a camera on the surface sees them: what is seen, then radiances of the sky, of sunlit surfaces, of sun and sky in
+mirrors and of skylit surfaces, and their sum, on one logarithmic scale; the irradiance of each, in W/m2, stands above it."),
+];
+
+impl Case {
+    /// Returns the command of a name.
+    pub fn of(name: &str) -> Option<&'static Case> {
+        CASES.iter().find(|case| case.name == name)
+    }
+
+    /// Returns the command as clap parses it.
+    pub fn command(&self) -> Command {
+        let rows = (self.rows)();
+        let mut command = Command::new(self.name).about(self.about);
+        if let Some((_, text)) = MORE.iter().find(|(name, _)| *name == self.name) {
+            command = command.after_long_help(*text);
+        }
+        let is_known = |name: &&str| rows.iter().any(|row| row.name == *name);
+        for row in &rows {
+            let mut arg = arg_of(row).conflicts_with_all(row.conflicts.iter().copied().filter(is_known));
+            let needed: Vec<&str> = row.requires.iter().copied().filter(is_known).collect();
+            match needed.as_slice() {
+                [] => {}
+                [only] => arg = arg.requires(*only),
+                several => {
+                    let group = several.join("|");
+                    if command.get_groups().all(|known| known.get_id() != &group) {
+                        command = command.group(ArgGroup::new(group.clone()).args(several.to_vec()).multiple(true));
+                    }
+                    arg = arg.requires(group);
+                }
+            }
+            command = command.arg(arg);
+        }
+        for (number, group) in (self.groups)().into_iter().enumerate() {
+            let names: Vec<&str> = group.names.iter().copied().filter(is_known).collect();
+            if names.len() < 2 {
+                continue;
+            }
+            let (multiple, required) = (group.kind == GroupKind::AnyOf, group.kind != GroupKind::AtMostOne);
+            command = command
+                .group(ArgGroup::new(format!("group {number}")).args(names).multiple(multiple).required(required));
+        }
+        command
+    }
+
+    /// Returns the texts that were typed.
+    pub fn given(&self, matches: &ArgMatches) -> Given {
+        let typed = |row: &Row| matches.value_source(row.name) == Some(ValueSource::CommandLine);
+        let texts = |row: &Row| match row.many {
+            Many::Flag => Vec::new(),
+            _ => matches.get_many::<String>(row.name).into_iter().flatten().cloned().collect(),
+        };
+        (self.rows)().iter().filter(|row| typed(row)).map(|row| (row.name.to_owned(), texts(row))).collect()
+    }
+
+    /// Returns true if a field changes values, so that results state it.
+    pub fn states(&self, name: &str) -> bool {
+        let role = (self.rows)().into_iter().find(|row| row.name == name).map(|row| row.role);
+        matches!(role, Some(Role::Value | Role::Input(_)))
+    }
+}
+
+fn arg_of(row: &Row) -> Arg {
+    let mut arg = Arg::new(row.name).help(row.help.clone()).help_heading(row.heading);
+    if !row.positional {
+        arg = arg.long(row.name.replace('_', "-"));
+    }
+    if let Some(short) = row.short {
+        arg = arg.short(short);
+    }
+    if row.many == Many::Flag {
+        return arg.action(ArgAction::SetTrue);
+    }
+    let shown = row.metavar.map_or_else(|| row.name.to_uppercase(), str::to_owned);
+    let choices = (row.form.choices)();
+    let test = row.test;
+    let parser = match choices.is_empty() {
+        true => ValueParser::new(move |text: &str| test(text).map(|()| text.to_owned())),
+        false => {
+            let value = |(name, meaning): (&'static str, &'static str)| match meaning {
+                "" => PossibleValue::new(name),
+                meaning => PossibleValue::new(name).help(meaning),
+            };
+            PossibleValuesParser::new(choices.into_iter().map(value)).into()
+        }
+    };
+    arg = arg.value_name(shown).value_parser(parser).allow_hyphen_values(row.hyphen).required(row.required);
+    arg = arg.allow_negative_numbers(row.form.is_number && !row.hyphen);
+    arg = match row.many {
+        Many::List => arg.action(ArgAction::Append),
+        _ => arg.action(ArgAction::Set),
+    };
+    if row.several || row.positional && row.many == Many::List {
+        arg = arg.num_args(1..);
+    }
+    if let Some(delimiter) = row.delimiter {
+        arg = arg.value_delimiter(delimiter);
+    }
+    match &row.default {
+        Some(default) => arg.default_value(default.clone()),
+        None => arg,
+    }
+}
