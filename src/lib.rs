@@ -150,7 +150,7 @@ pub mod materials {
 
 /// Memory of the machine, and scratch space on disk.
 pub mod memory {
-    pub use heliotile_builder::spill::{SystemTemp, check_memory};
+    pub use heliotile_builder::spill::{SystemTemp, check_memory, parse_memory};
 }
 
 /// Values that users choose by name.

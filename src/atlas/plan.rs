@@ -101,6 +101,7 @@ pub struct CutRequest {
     #[field(flatten, without("error", "error_weather"))]
     pub accuracy: AccuracyRequest,
     /// Leave the scene's triangles out of the archives, if they may not be passed on.
+    #[field(python = "with_scene")]
     pub no_scene: bool,
 }
 

@@ -129,3 +129,6 @@ pub mod studies {}
 
 #[doc = include_str!("contributing.md")]
 pub mod contributing {}
+
+/// Options of all commands, a page for each.
+pub mod reference;

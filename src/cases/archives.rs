@@ -4,12 +4,18 @@ use std::path::{Path, PathBuf};
 
 use heliotile_atlas::ExportRequest;
 use heliotile_atlas::catalogue::CatalogueRequest;
+use heliotile_builder::pipeline::Workspace;
 use heliotile_builder::spill::parse_memory;
-use heliotile_builder::transfer::Bounds;
+use heliotile_builder::transfer::{self, Bounds, Merged};
+use heliotile_builder::writing::copy::folder_of;
+use heliotile_builder::writing::guards::{guard_archive, guard_output};
 use heliotile_core::archive::Access;
+use heliotile_core::error::Result;
 use heliotile_core::memory::MemoryBudget;
+use heliotile_core::observer::Observer;
 use heliotile_core::weather::options::WeatherOptions;
 use heliotile_remote::naming::is_address;
+use heliotile_remote::places::open_archive;
 use heliotile_requests::Request;
 use heliotile_results::outputs::tables::format::table_help;
 use heliotile_results::{AuditRequest, PageRequest, RepairRequest};
@@ -101,6 +107,7 @@ pub struct Extract {
     #[field(flatten)]
     pub receivers: SelectionRequest,
     /// Leave the scene's triangles out of the new archive.
+    #[field(python = "with_scene")]
     pub no_scene: bool,
     /// Memory to work in, such as 512MiB or 2GiB.
     #[field(default = "4GiB", parse = parse_memory, neutral)]
@@ -194,7 +201,7 @@ pub struct Export {
     pub html: Option<PathBuf>,
     /// Archive of the same site after a change, for the page of --html: it shows before, after and
     /// the change, as `view --with` does.
-    #[field(metavar = "AFTER", conflicts("receiver", "view_factors"), input = Archive)]
+    #[field(python = "with_", metavar = "AFTER", conflicts("receiver", "view_factors"), input = Archive)]
     pub with: Option<PathBuf>,
     /// Memory to work in, such as 512MiB or 2GiB.
     #[field(default = "4GiB", parse = parse_memory, neutral)]
@@ -203,6 +210,29 @@ pub struct Export {
 
 fn export_help() -> String {
     table_help("File to write: .exr or .png for a receiver; for view factors")
+}
+
+impl Merge {
+    /// Writes the union. Returns what it holds.
+    pub fn write(&self, observer: &dyn Observer) -> Result<Merged> {
+        guard_output(&self.output, &[&self.first, &self.second])?;
+        guard_archive(&self.output)?;
+        let access = self.io.unwrap_or(Access::Read);
+        let (a, b) = (open_archive(&self.first, access)?, open_archive(&self.second, access)?);
+        let workspace = Workspace { folder: folder_of(&self.output).to_path_buf(), memory: self.memory };
+        transfer::merge([&a, &b], &self.output, &workspace, observer)
+    }
+}
+
+impl Diff {
+    /// Returns true if the archives are equal, and their differences as text.
+    pub fn found(&self) -> Result<(bool, String)> {
+        let access = self.io.unwrap_or(Access::Read);
+        let (a, b) = (open_archive(&self.first, access)?, open_archive(&self.second, access)?);
+        let workspace = Workspace { folder: std::env::temp_dir(), memory: self.memory };
+        let found = transfer::diff(&a, &b, &workspace)?;
+        Ok((found.is_equal(), found.table([a.path(), b.path()])))
+    }
 }
 
 impl Copy {

@@ -3,15 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use heliotile_builder::spill::parse_memory;
+use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::replay::components::{Component, ComponentList};
-use heliotile_core::weather::options::WeatherOptions;
 use heliotile_requests::Request;
 use heliotile_results::outputs::tables::format::table_help;
 use heliotile_results::run::folder_beside;
 use heliotile_results::{
     BuildingsRequest, ComfortRequest, ComfortSiteRequest, CompareRequest, Every, FactorsRequest, FileRequest,
-    GlareChoice, Illumination, LightChoice, PlacesRequest, QueryRequest, ReplayRequest, SunlightRequest,
+    GlareChoice, Illumination, LightChoice, PlacesRequest, QueryRequest, ReplayRequest, Resources, SunlightRequest,
 };
 
 use super::{SelectionRequest, SiteRequest};
@@ -158,17 +158,12 @@ pub struct Buildings {
     /// Archive that is asked.
     #[field(flatten)]
     pub site: SiteRequest,
-    /// Weather file of a year: EPW, TMY3, WEA, SURFRAD, CSV or JSON of a service (NSRDB, PVGIS,
-    /// Open-Meteo, Solcast), or any CSV or JSON with `time` and some of ghi, dni, dhi; also packed
-    /// (.gz, .zip).
-    #[field(short = 'w', input = Weather, required)]
-    pub weather: PathBuf,
     /// What counts, and the tables to write.
     #[field(flatten)]
     pub request: BuildingsRequest,
-    /// Facts about the weather file.
-    #[field(flatten, heading = "About the weather file")]
-    pub about_weather: WeatherOptions,
+    /// Weather of a year, and the light that counts.
+    #[field(flatten, without("columns", "bands", "every", "stamp", "year", "temperature"))]
+    pub replay: ReplayRequest,
 }
 
 /// Request of `places`.
@@ -177,17 +172,12 @@ pub struct Places {
     /// Archive that is asked.
     #[field(flatten)]
     pub site: SiteRequest,
-    /// Weather file of a year: EPW, TMY3, WEA, SURFRAD, CSV or JSON of a service (NSRDB, PVGIS,
-    /// Open-Meteo, Solcast), or any CSV or JSON with `time` and some of ghi, dni, dhi; also packed
-    /// (.gz, .zip).
-    #[field(short = 'w', input = Weather, required)]
-    pub weather: PathBuf,
     /// What counts, and the table to write.
     #[field(flatten)]
     pub request: PlacesRequest,
-    /// Facts about the weather file.
-    #[field(flatten, heading = "About the weather file")]
-    pub about_weather: WeatherOptions,
+    /// Weather of a year, and the light that counts.
+    #[field(flatten, without("columns", "bands", "every", "stamp", "year", "temperature"))]
+    pub replay: ReplayRequest,
 }
 
 /// Request of `comfort`.
@@ -197,6 +187,20 @@ pub struct Comfort {
     /// Scene and its people, or an archive of them.
     #[field(flatten)]
     pub people: ComfortSiteRequest,
+    /// Files to write.
+    #[field(flatten, without("by", "positions", "model", "honeybee"))]
+    pub files: FileRequest,
+    /// Weather, and what is computed.
+    #[field(flatten, without("latitude", "longitude"))]
+    pub request: ComfortRequest,
+    /// Memory to work in, such as 512MiB or 2GiB.
+    #[field(default = "4GiB", parse = parse_memory, neutral)]
+    pub memory: MemoryBudget,
+}
+
+/// Request for the comfort of the people of an archive that is open.
+#[derive(Clone, Debug, Default, Request)]
+pub struct PeopleOfSite {
     /// Files to write.
     #[field(flatten, without("by", "positions", "model", "honeybee"))]
     pub files: FileRequest,
@@ -280,23 +284,37 @@ impl Glare {
     }
 }
 
-/// Returns the replay of the totals over a weather file.
-fn totals(weather: &Path, about_weather: WeatherOptions) -> ReplayRequest {
-    let light = LightChoice { columns: Some(ComponentList::of(Component::Total)), ..LightChoice::default() };
-    ReplayRequest { light, about_weather, every: Every::Total, ..ReplayRequest::of(weather) }
+/// Returns a request that reads the air of the weather file, too.
+fn with_air(request: &ComfortRequest) -> ComfortRequest {
+    let mut request = request.clone();
+    request.replay.about_weather.with_air = true;
+    request
+}
+
+impl PeopleOfSite {
+    /// Returns the request for their comfort.
+    pub fn request(&self) -> ComfortRequest {
+        with_air(&self.request)
+    }
+}
+
+/// Returns a replay of the totals over all hours.
+fn totals(replay: &ReplayRequest) -> ReplayRequest {
+    let light = LightChoice { columns: Some(ComponentList::of(Component::Total)), ..replay.light.clone() };
+    ReplayRequest { light, every: Every::Total, ..replay.clone() }
 }
 
 impl Buildings {
     /// Returns the replay of the totals over the weather file.
     pub fn year(&self) -> ReplayRequest {
-        totals(&self.weather, self.about_weather)
+        totals(&self.replay)
     }
 }
 
 impl Places {
     /// Returns the replay of the totals over the weather file.
     pub fn year(&self) -> ReplayRequest {
-        totals(&self.weather, self.about_weather)
+        totals(&self.replay)
     }
 }
 
@@ -323,10 +341,29 @@ impl Comfort {
         ComfortSiteRequest { folder, accuracy, ..people.clone() }
     }
 
+    /// Returns the archive of people: the one that is named, or that of the scene, which is built if
+    /// it is not there. `request` is the later replay, whose faults are found before any ray is
+    /// traced.
+    pub fn archive(&self, request: Option<&ComfortRequest>, resources: &Resources) -> Result<PathBuf> {
+        let people = &self.people;
+        let Some(place) = self.place() else {
+            let site = self.site();
+            if let Some(request) = request {
+                let files: Vec<&Path> = site.scene.files.iter().map(PathBuf::as_path).collect();
+                request.check(&self.files, &files)?;
+            }
+            return site.build(request, resources);
+        };
+        if people.points.is_some() || !people.folder.as_os_str().is_empty() || people.replace {
+            let what = "apply to scene files only: an archive states where people stand";
+            let hint = "leave them out, or give the scene files in place of the archive";
+            return Err(Error::argument("points, folder, replace", what, hint));
+        }
+        Ok(place.to_path_buf())
+    }
+
     /// Returns the request for their comfort.
     pub fn request(&self) -> ComfortRequest {
-        let mut request = self.request.clone();
-        request.replay.about_weather.with_air = true;
-        request
+        with_air(&self.request)
     }
 }

@@ -2,8 +2,12 @@
 //! the library, with the memory to work in and the files to write.
 
 mod archives;
+mod commands;
+mod filled;
 mod light;
+mod ready;
 mod scenes;
+mod tracing;
 
 use std::path::PathBuf;
 
@@ -19,8 +23,12 @@ use heliotile_results::{Provenance, ReceiverChoice};
 use crate::site::{Site, SiteOptions};
 
 pub use archives::*;
+pub use commands::{Aim, COMMANDS, Command};
+pub use filled::{Given, Prepared, prepared, stated};
 pub use light::*;
+pub use ready::claim_folder;
 pub use scenes::*;
+pub use tracing::Planned;
 
 /// Archive or atlas, and how it is read.
 #[derive(Clone, Debug, Default, Request)]
@@ -51,10 +59,10 @@ pub struct SelectionRequest {
     #[field(metavar = "BOX", hyphen)]
     pub bbox: Option<Bounds>,
     /// Only the receivers of these surfaces.
-    #[field(metavar = "NAME", several)]
+    #[field(python = "surfaces", metavar = "NAME", several)]
     pub surface: Vec<String>,
     /// Only the receivers of these objects or buildings.
-    #[field(metavar = "NAME", several)]
+    #[field(python = "objects", metavar = "NAME", several)]
     pub object: Vec<String>,
 }
 

@@ -5,13 +5,19 @@ use std::path::{Path, PathBuf};
 use heliotile_builder::planning::{AccuracyRequest, parse_negligible, parse_preview};
 use heliotile_builder::settings::{EffectChoice, Share};
 use heliotile_builder::spill::parse_memory;
+use heliotile_builder::trace::canopy::in_hulls;
+use heliotile_builder::trace::placement::Placement;
+use heliotile_builder::writing::guards::{guard_output, guard_site};
+use heliotile_core::error::Result;
 use heliotile_core::memory::MemoryBudget;
+use heliotile_core::observer::Observer;
+use heliotile_core::text::counted;
 use heliotile_core::units::parse_metres;
 use heliotile_core::weather::options::WeatherOptions;
 use heliotile_energyplus::EnergyplusRequest;
 use heliotile_requests::Request;
-use heliotile_results::along::AlongRequest;
-use heliotile_results::covering::{CoverRequest, Density};
+use heliotile_results::along::{AlongRequest, write_points};
+use heliotile_results::covering::{CoverRequest, Density, cover_site, summary, write};
 use heliotile_results::pv::PvRequest;
 use heliotile_results::{RunRequest, TradeoffRequest, UpdateRequest};
 use heliotile_scene::edit::SceneEdits;
@@ -222,7 +228,7 @@ pub struct Build {
     /// Archive of this scene before a change, or with --part an atlas of it; a path or an address.
     /// Only light that the change can alter is traced; the new archive has the same bytes as
     /// without this option.
-    #[field(metavar = "BEFORE.helio", input = Archive)]
+    #[field(python = "before", metavar = "BEFORE.helio", input = Archive)]
     pub from: Option<PathBuf>,
     /// Keep light of --from that the change alters by less than this share of the light on open
     /// ground, on average over the sky, such as 1%. The new archive is marked as a preview; the
@@ -230,6 +236,7 @@ pub struct Build {
     #[field(metavar = "PERCENT", requires("from"), parse = parse_preview)]
     pub preview_percent: Option<f64>,
     /// Leave the scene's triangles out of the archive, if they may not be passed on.
+    #[field(python = "with_scene")]
     pub no_scene: bool,
     /// Accuracy of the archive.
     #[field(flatten)]
@@ -314,6 +321,38 @@ impl Receivers {
         let spacing_m = if let Density::Spacing(metres) = self.cover.density { metres } else { 2.0 };
         let (height_m, both_ways) = (self.eye_height_m.unwrap_or(EYES_M), self.both_ways);
         Some(AlongRequest { lines: self.along.clone()?, spacing_m, height_m, both_ways })
+    }
+}
+
+impl Receivers {
+    /// Writes the tables. Returns a summary.
+    pub fn write(&self, observer: &dyn Observer) -> Result<String> {
+        let (site, output) = (self.scene.site()?, self.output());
+        let to_file = output != Path::new("-");
+        if to_file {
+            guard_site(output, &site, &[])?;
+        }
+        if let Some(buried) = &self.buried {
+            guard_site(buried, &site, &[Some(output)])?;
+        }
+        if let Some(along) = self.lines() {
+            if to_file {
+                guard_output(output, &[&along.lines])?;
+            }
+            let points = along.points(&site, observer)?;
+            write_points(output, &points)?;
+            return Ok(format!("{}, {} m above the road\n", counted(points.len() as u64, "receiver"), along.height_m));
+        }
+        let (scene, covered) = cover_site(&site, &self.cover, observer)?;
+        // A build warns of them itself.
+        in_hulls(covered.in_hulls).iter().for_each(|text| observer.warn(text));
+        let offset_m = self.cover.offset_m;
+        write(output, &covered, covered.free(), offset_m, false)?;
+        if let Some(path) = &self.buried {
+            let buried = covered.all().filter(|row| row.3 != Placement::Free);
+            write(path, &covered, buried, offset_m, true)?;
+        }
+        Ok(summary(&covered, &scene))
     }
 }
 

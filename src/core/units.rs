@@ -51,6 +51,7 @@ impl FromStr for Bytes {
             "MiB" | "M" => 1 << 20,
             "GB" => 1_000_000_000,
             "MB" => 1_000_000,
+            "B" => 1,
             "" => return Err(format!("there is no unit: {hint}")),
             other => return Err(format!("`{other}` is not a unit: {hint}")),
         };

@@ -3,6 +3,8 @@
 
 mod cli;
 mod commands;
+#[cfg(test)]
+mod faces;
 
 pub use cli::{command_of, option_of};
 

@@ -84,6 +84,24 @@ pub struct Row {
     pub test: fn(&str) -> Result<(), String>,
 }
 
+impl Row {
+    /// Returns the name in Python. A flag that switches something off, such as `no_ground`, is
+    /// there the thing itself, `ground=False`.
+    pub fn in_python(&self) -> &'static str {
+        self.python.unwrap_or_else(|| self.name.strip_prefix("no_").filter(|_| self.is_off()).unwrap_or(self.name))
+    }
+
+    /// Returns true for a flag that switches something off.
+    pub fn is_off(&self) -> bool {
+        self.many == Many::Flag && self.name.starts_with("no_")
+    }
+
+    /// Returns true if results state the field.
+    pub fn is_stated(&self) -> bool {
+        matches!(self.role, Role::Value | Role::Input(_))
+    }
+}
+
 /// What a field does to results and files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
@@ -393,6 +411,14 @@ pub fn under<R: Request>(under: Under) -> Vec<Row> {
     rows
 }
 
+/// Returns the groups of a flattened struct; one that has lost a field says nothing any more. For
+/// the derive.
+pub fn groups_under<R: Request>(without: &[&str]) -> Vec<Group> {
+    let mut groups = R::groups();
+    groups.retain(|group| !group.names.iter().any(|name| without.contains(name)));
+    groups
+}
+
 /// Fills the fields of a request, each with its texts. An error names the field.
 pub fn filled<R: Request + Default>(given: &[(String, Vec<String>)]) -> Result<R, (String, String)> {
     let mut request = R::default();
@@ -405,6 +431,45 @@ pub fn filled<R: Request + Default>(given: &[(String, Vec<String>)]) -> Result<R
     }
     request.check().map_err(|(name, what)| (name.to_owned(), what))?;
     Ok(request)
+}
+
+/// Checks which fields are filled: those that must be, and those that exclude or need each other.
+/// An error names a field and says what is wrong, with names in braces.
+pub fn complete(rows: &[Row], groups: &[Group], filled: &[&str]) -> Result<(), (String, String)> {
+    let is_filled = |name: &&str| filled.contains(name);
+    let is_known = |name: &&str| rows.iter().any(|row| row.name == *name);
+    let listed = |names: &[&str], or: &str| {
+        names.iter().filter(|name| is_known(name)).map(|name| format!("{{{name}}}")).collect::<Vec<_>>().join(or)
+    };
+    for row in rows {
+        if row.required && !is_filled(&row.name) {
+            return Err((row.name.to_owned(), "is not given".to_owned()));
+        }
+        if !is_filled(&row.name) {
+            continue;
+        }
+        if let Some(other) = row.conflicts.iter().find(|other| is_filled(other) && is_known(other)) {
+            return Err((row.name.to_owned(), format!("does not go together with {{{other}}}")));
+        }
+        let needed: Vec<&str> = row.requires.iter().copied().filter(|name| is_known(name)).collect();
+        if !needed.is_empty() && !needed.iter().any(is_filled) {
+            return Err((row.name.to_owned(), format!("belongs to {}, which is not given", listed(&needed, " or "))));
+        }
+    }
+    for group in groups {
+        let names: Vec<&str> = group.names.iter().copied().filter(|name| is_known(name)).collect();
+        let count = names.iter().filter(|name| is_filled(name)).count();
+        let (least, most) = match group.kind {
+            GroupKind::ExactlyOne => (1, 1),
+            GroupKind::AtMostOne => (0, 1),
+            GroupKind::AnyOf => (1, usize::MAX),
+        };
+        if names.len() > 1 && !(least..=most).contains(&count) {
+            let what = if count == 0 { "none of them is given" } else { "only one of them can be given" };
+            return Err((listed(&names, ", ").replace(['{', '}'], ""), what.to_owned()));
+        }
+    }
+    Ok(())
 }
 
 #[cfg(test)]
@@ -509,5 +574,17 @@ mod tests {
             assert!(refused.0 == name && refused.1.contains(says), "{refused:?}");
         }
         assert_eq!(asked(&[("weathr", &["a"])]).expect_err("misspelt").0, "weathr");
+    }
+
+    /// Of 5 sets of fields that are filled 2 are complete: the others lack what is required, or
+    /// name two fields that exclude each other.
+    #[test]
+    fn fields_exclude_and_need_each_other() {
+        let complete = |filled: &[&str]| complete(&Asked::rows(), &Asked::groups(), filled).map_err(|error| error.0);
+        assert_eq!(complete(&["weather"]), Ok(()));
+        assert_eq!(complete(&["weather", "rule", "latitude"]), Ok(()));
+        assert_eq!(complete(&["rule"]), Err("weather".to_owned()));
+        assert_eq!(complete(&["weather", "rule", "folder"]), Err("folder".to_owned()));
+        assert_eq!(complete(&["weather", "rule", "steps"]), Err("steps, rule".to_owned()));
     }
 }

@@ -32,7 +32,7 @@ pub struct PageRequest {
     pub archive: PathBuf,
     /// Archive of the same site after a change: the page shows before, after and the change, under
     /// one sun, weather and camera.
-    #[field(metavar = "AFTER", input = Archive)]
+    #[field(python = "with_", metavar = "AFTER", input = Archive)]
     pub with: Option<PathBuf>,
     /// Mode in which archives are read.
     #[field(skip)]
@@ -42,7 +42,7 @@ pub struct PageRequest {
     #[field(short = 'w', input = Weather)]
     pub weather: Option<PathBuf>,
     /// Facts about the weather file that it does not state itself.
-    #[field(flatten, without("latitude", "longitude"), heading = "About the weather file")]
+    #[field(flatten, without("latitude", "longitude"), heading = "About the weather file", needs("weather"))]
     pub about_weather: WeatherOptions,
     /// HTML file to write.
     #[field(skip)]

@@ -35,7 +35,7 @@ pub struct ExportRequest {
     #[field(name = "archive", positional, required, input = Archive)]
     pub place: PathBuf,
     /// How the archive is read.
-    #[field(name = "io", default = "map", neutral)]
+    #[field(name = "io", python = "access", default = "map", neutral)]
     pub access: Access,
     /// File to write: `.exr` or `.png` of a receiver; otherwise a table of view factors, `-` for
     /// standard output.
@@ -75,7 +75,8 @@ pub struct ExportRequest {
     #[field(
         flatten,
         without("latitude", "longitude", "shift", "weather_stamp", "date_order"),
-        heading = "About the weather file"
+        heading = "About the weather file",
+        needs("weather")
     )]
     pub about_weather: WeatherOptions,
     /// Latitude, degrees, north positive, for which a .png shows the sun's paths; hours are mean

@@ -29,7 +29,7 @@ pub struct AccuracyRequest {
     /// Change one setting of the accuracy level, such as `--set hit=16 --set sky_fine=512`; `info`
     /// of an archive lists the settings; may be repeated.
     #[serde(default)]
-    #[field(metavar = "NAME=VALUE")]
+    #[field(metavar = "NAME=VALUE", python = "settings")]
     pub set: Vec<String>,
     /// Largest error to accept, the RMSE of hourly totals in percent of their mean, such as 2%:
     /// settings are tried on some of the receivers, and the cheapest that keep it are used.

@@ -116,7 +116,7 @@ impl heliotile_requests::Parse for Temperature {
     }
 
     fn parse(text: &str) -> std::result::Result<Self, String> {
-        text.parse().map_err(|error| format!("{error}"))
+        text.parse()
     }
 
     fn path(&self) -> Option<&std::path::Path> {

@@ -3,18 +3,19 @@
 //!
 //! | room | what it holds |
 //! | --- | --- |
-//! | `cases` | the commands, as clap parses them |
+//! | `commands` | the commands, as clap parses them |
 //! | `line` | the line itself: options of all commands, parsing, wording of messages, completions |
 //! | `store`, `study` | arguments of `store` and `study` |
 
-mod cases;
+mod commands;
 mod line;
 mod store;
 mod study;
 
 use clap::{Args, Command, Subcommand};
+use heliotile::cases::{self, Given};
 
-pub use self::cases::{Case, Given};
+pub use self::commands::{carry_out, given};
 pub use self::line::{
     CompletionsArgs, EverywhereArgs, ManArgs, again, command_of, option_of, parse, quoted, worded, worded_text,
 };
@@ -30,7 +31,7 @@ pub struct Cli {
 /// A command with what it is asked.
 pub enum Asked {
     /// Command whose request declares its fields.
-    Case(&'static Case, Given),
+    Case(&'static cases::Command, Given),
     Other(Other),
 }
 
@@ -48,7 +49,10 @@ pub enum Other {
 }
 
 /// What the program does, at the top of its help.
-const ABOUT: &str = "Trace the sun and sky of a site once, replay any weather";
+const ABOUT: &str = "How much sun does every point of a building, a solar module or a street get, hour by hour? heliotile traces a site once, \
+with its neighbours, terrain, trees and mirrors, and replays any weather from the archive.
+
+A year of sun from scene files:  heliotile run block.city.json --weather city.epw";
 
 /// Returns the whole command line as clap parses it.
 pub fn command_line() -> Command {
@@ -57,6 +61,28 @@ pub fn command_line() -> Command {
         .max_term_width(100)
         .subcommand_required(true)
         .arg_required_else_help(true)
-        .subcommands(cases::CASES.iter().map(Case::command));
-    EverywhereArgs::augment_args(Other::augment_subcommands(program)).about(ABOUT)
+        .help_template("{about-with-newline}\n{usage-heading} {usage}\n{after-help}\n\n{options}")
+        .subcommands(cases::COMMANDS.iter().map(commands::parsed));
+    let program = EverywhereArgs::augment_args(Other::augment_subcommands(program)).about(ABOUT);
+    let listed = listed(&program);
+    program.after_help(listed)
+}
+
+/// Returns the commands under headings of what they are for.
+fn listed(program: &Command) -> String {
+    let mut text = String::new();
+    let mut list = |heading: &str, is_of: &dyn Fn(&str) -> bool| {
+        text += &format!("\n{heading}\n");
+        for command in program.get_subcommands().filter(|command| is_of(command.get_name())) {
+            let about = command.get_about().map(ToString::to_string).unwrap_or_default();
+            let about = about.split(['.', ':', ';']).next().unwrap_or_default();
+            text += &format!("  {:<12} {about}\n", command.get_name());
+        }
+    };
+    for (aim, heading) in cases::Aim::ALL {
+        let of = |name: &str| cases::Command::of(name).map(|command| command.aim);
+        list(heading, &|name| of(name) == Some(aim) || (aim == cases::Aim::Large && name == "store"));
+    }
+    list("The program", &|name| ["study", "completions", "man"].contains(&name));
+    text + "\n`heliotile COMMAND --help` lists the options of a command."
 }

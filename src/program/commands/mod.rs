@@ -18,7 +18,6 @@ pub mod copy;
 pub mod energyplus;
 pub mod export;
 pub mod inspect;
-mod preflight;
 pub mod pv;
 pub mod receivers;
 pub mod repair;
@@ -37,11 +36,12 @@ mod weather;
 
 use std::path::{Path, PathBuf};
 
-use crate::cli::{Asked, Cli, EverywhereArgs, Given, Other, StudyArgs, StudyCommand};
+use crate::cli::{self, Asked, Cli, EverywhereArgs, Other, StudyArgs, StudyCommand};
 use console::terminal::Terminal;
 use console::voice::{self, Volume, remark, say, warn};
+use heliotile::cases::{Given, claim_folder, prepared};
 use heliotile::output::folder_of;
-use heliotile::requests::{Request, filled};
+use heliotile::requests::Request;
 use heliotile::tracing::Workspace;
 use heliotile::{Error, MemoryBudget, Provenance, Result, Scene, SceneRequest};
 
@@ -61,7 +61,7 @@ pub enum Outcome {
 pub fn run(Cli { command, everywhere }: &Cli, about: Provenance) -> Result<Outcome> {
     set_up(everywhere)?;
     let outcome = match command {
-        Asked::Case(case, given) => (case.run)(given, about),
+        Asked::Case(command, given) => cli::carry_out(command, given, about),
         Asked::Other(other) => run_other(other),
     };
     if let Some(traffic) = heliotile::remote::traffic().filter(|_| everywhere.verbose) {
@@ -76,10 +76,9 @@ pub fn start<R: Request + Default>(
     about: Provenance,
     run: fn(&R, Provenance) -> Result<Outcome>,
 ) -> Result<Outcome> {
-    let request = filled::<R>(given).map_err(|(field, what)| Error::argument(field, what, "give another value"))?;
-    let _outputs = preflight::check(&request, given.iter().any(|(name, _)| name == "geo"))?;
+    let prepared = prepared::<R>(given, &[], &|_| false)?;
     console::interrupt::clean_up();
-    run(&request, about)
+    run(&prepared.request, about)
 }
 
 fn run_other(other: &Other) -> Result<Outcome> {
@@ -88,7 +87,7 @@ fn run_other(other: &Other) -> Result<Outcome> {
         Other::Man(args) => Some(&args.output),
         Other::Store(_) | Other::Completions(_) => None,
     };
-    let _output = folder.map(|folder| preflight::claim_folder(folder)).transpose()?;
+    let _output = folder.map(|folder| claim_folder(folder)).transpose()?;
     console::interrupt::clean_up();
     match other {
         Other::Store(args) => store::run(args),

@@ -98,7 +98,8 @@ pub fn with_resources<T>(site: &SiteRequest, then: impl FnOnce(&Resources) -> Re
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cli::{Case, command_line};
+    use crate::cli::{command_line, given};
+    use heliotile::cases::Command;
     use heliotile::requests::filled;
 
     /// Without an output and a period, `replay` prints hours, so that it is refused on a terminal;
@@ -109,7 +110,7 @@ mod tests {
             let line = format!("heliotile replay a.helio -w w.epw {options}");
             let matches = command_line().try_get_matches_from(line.split_whitespace()).expect("a command line");
             let (name, inside) = matches.subcommand().expect("a command");
-            let given = Case::of(name).expect("a case").given(inside);
+            let given = given(Command::of(name).expect("a command"), inside);
             prints_hours(&filled::<Replay>(&given).expect("a request"))
         };
         let found = ["", "--every month", "-o t.csv", "--plot map.png", "--honeybee out"].map(prints);

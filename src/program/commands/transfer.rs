@@ -2,8 +2,8 @@
 //! their differences.
 
 use super::console::terminal::Terminal;
-use super::{Outcome, remark, say, workspace, workspace_beside};
-use heliotile::archive::{Assembled, format, open_archive, transfer};
+use super::{Outcome, remark, say, workspace_beside};
+use heliotile::archive::{Assembled, format, transfer};
 use heliotile::atlas::holding;
 use heliotile::cases::{Diff, Extract, Merge};
 use heliotile::output::{guard_archive, guard_output};
@@ -12,14 +12,7 @@ use heliotile::{Access, Error, Provenance, Result};
 
 /// `heliotile merge`.
 pub fn merge(args: &Merge, _: Provenance) -> Result<Outcome> {
-    guard_output(&args.output, &[&args.first, &args.second])?;
-    guard_archive(&args.output)?;
-    let [a, b] = [
-        open_archive(&args.first, args.io.unwrap_or(Access::Read))?,
-        open_archive(&args.second, args.io.unwrap_or(Access::Read))?,
-    ];
-    let workspace = workspace_beside(&args.output, args.memory);
-    let merged = transfer::merge([&a, &b], &args.output, &workspace, &Terminal::default())?;
+    let merged = args.write(&Terminal::default())?;
     let Assembled { receivers, tiles, cells, summary } = &merged.written;
     remark(&format!(
         "{}: {receivers} receivers in {}, {} probes, {} bounce cells, {:.2} MB\n  {} from {}, {} from {}, {} in both\n  \
@@ -30,9 +23,9 @@ pub fn merge(args: &Merge, _: Provenance) -> Result<Outcome> {
         cells.bounce_cells,
         summary.bytes as f64 / 1e6,
         merged.of_each[0],
-        a.path().display(),
+        args.first.display(),
         merged.of_each[1],
-        b.path().display(),
+        args.second.display(),
         merged.shared,
         format::hex(&summary.root),
     ))?;
@@ -74,11 +67,7 @@ pub fn extract(args: &Extract, _: Provenance) -> Result<Outcome> {
 
 /// `heliotile diff`: a difference is a finding (exit 1).
 pub fn diff(args: &Diff, _: Provenance) -> Result<Outcome> {
-    let [a, b] = [
-        open_archive(&args.first, args.io.unwrap_or(Access::Read))?,
-        open_archive(&args.second, args.io.unwrap_or(Access::Read))?,
-    ];
-    let found = transfer::diff(&a, &b, &workspace(std::env::temp_dir(), args.memory))?;
-    say(&found.table([a.path(), b.path()]))?;
-    Ok(if found.is_equal() { Outcome::Fine } else { Outcome::ProblemFound })
+    let (is_equal, text) = args.found()?;
+    say(&text)?;
+    Ok(if is_equal { Outcome::Fine } else { Outcome::ProblemFound })
 }

@@ -29,7 +29,7 @@ from .errors import (
     UnsupportedError,
 )
 from .results import Results
-from .scene import BuildReport, Scene, build
+from .scene import BuildReport, Plan, Scene, build, plan
 from .studies import LadderStep, Study, Tradeoff, comfort, diff, energyplus, merge, partition, pv, run, tradeoff
 from .weather import Weather
 
@@ -55,6 +55,7 @@ __all__ = [
     "Material",
     "MissingFileError",
     "Place",
+    "Plan",
     "RepairDone",
     "Results",
     "Scene",
@@ -73,6 +74,7 @@ __all__ = [
     "errors",
     "merge",
     "partition",
+    "plan",
     "pv",
     "repair",
     "run",

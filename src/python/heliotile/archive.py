@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import json
 import os
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 
 from . import _heliotile
 from .askable import Askable
-from .errors import InputError
-from .given import number, percent, whole
-from .options import MEMORY, Progress, Wanted, WantedArgs, wanted_args
-from .weather import weather_request
+from .errors import InputError, wrong
+from .given import WantedArgs, asked, file_only, wanted_args
+from .options import AuditOptions, ExportOptions, ExtractOptions, UpdateOptions, ViewOptions, Wanted
+from .weather import Weather
 
 if TYPE_CHECKING:
     from .checks import AuditReport, CheckedArchive, UpdateDone
@@ -70,140 +68,45 @@ class Archive(Askable):
         """Hash of the archive's content."""
         return self._handle.root
 
-    def extract(
-        self,
-        output: str | os.PathLike[str],
-        receivers: Wanted,
-        *,
-        with_scene: bool = True,
-        memory: int = MEMORY,
-        progress: Progress | None = None,
-    ) -> Archive:
+    def extract(self, output: str | os.PathLike[str], receivers: Wanted, **options: Unpack[ExtractOptions]) -> Archive:
         """Writes an archive of some receivers, selected as in `replay`, and opens it: `heliotile
-        extract`, byte by byte."""
-        handle = self._handle.extract(os.fspath(output), wanted_args(receivers), with_scene, memory, progress)
+        extract`, byte by byte. The options are those of `heliotile.options.ExtractOptions`."""
+        keywords = asked("Archive.extract", ExtractOptions, options, output=output)
+        handle = self._handle.extract(keywords.args(), wanted_args(receivers), options.get("progress"))
         return Archive(handle, os.fspath(output))
 
-    def audit(
-        self,
-        scene: Any,
-        *,
-        weather: Any = None,
-        conditions: str | os.PathLike[str] | None = None,
-        samples: int | None = None,
-        hours: int | None = None,
-        seconds: float | None = None,
-        paths: int = 4096,
-        seed: int = 1,
-        sky: str = "perez",
-        output: str | os.PathLike[str] | None = None,
-        memory: int = MEMORY,
-        progress: Progress | None = None,
-    ) -> AuditReport:
+    def audit(self, scene: Any, **options: Unpack[AuditOptions]) -> AuditReport:
         """Compares the archive's errors with its stated accuracy, by the independent reference path
         tracer: `heliotile audit`, value by value.
 
-        Parameters
-        ----------
-        scene
-            The `Scene` of the archive, or its files.
-        weather, conditions
-            A weather file, or a `Weather` of one, whose hours count; or the CSV file of a table of
-            suns and skies, as `query` takes it. Default: suns from all sides.
-        samples, hours
-            Number of receivers, default 256, or as many as `seconds` allow; hours of each, default
-            8, or all of a table of up to 64 conditions.
-        seconds
-            Time limit: no receiver is started after it.
-        paths, seed
-            Paths of light from each receiver; another seed takes other receivers, hours and paths.
-        output
-            A folder for `audit.csv`, pictures and a page.
+        `scene`: the `Scene` of the archive, or its files. `weather`, a file or a `Weather` of one,
+        or a table of `conditions`; default: suns from all sides. The other options are those of
+        `heliotile.options.AuditOptions`.
         """
         from . import checks
 
-        request = {
-            "archive": self.path,
-            "scene": checks.original_scene(scene),
-            **weather_request(weather),
-            "conditions": None if conditions is None else os.fspath(conditions),
-            "samples": whole("samples", samples),
-            "hours": whole("hours", hours),
-            "seconds": number("seconds", seconds, "give seconds"),
-            "paths": whole("paths", paths),
-            "seed": whole("seed", seed),
-            "sky": sky,
-        }
-        return checks.audit(request, output, memory, progress)
+        keywords = asked("Archive.audit", AuditOptions, options, archive=self.path, **checks.original_scene(scene))
+        return checks.audit(keywords, options.get("progress"))
 
-    def update(
-        self,
-        output: str | os.PathLike[str],
-        *,
-        add: Any = None,
-        remove: Sequence[str] = (),
-        move: Mapping[str, Sequence[float]] | None = None,
-        height: Mapping[str, str] | None = None,
-        material: Mapping[str, str] | None = None,
-        materials: str | os.PathLike[str] | None = None,
-        on: Sequence[str] = (),
-        spacing: float | None = None,
-        preview: float | str | None = None,
-        fresh: bool = False,
-        memory: int = MEMORY,
-        progress: Progress | None = None,
-    ) -> Archive:
+    def update(self, output: str | os.PathLike[str], **options: Unpack[UpdateOptions]) -> Archive:
         """Edits the scene that the archive holds and opens the archive of the edited scene:
         `heliotile update`, byte by byte. Its `updated` counts the receivers that were kept, moved or
         removed. Only what an edit can alter is traced again.
 
-        Parameters
-        ----------
-        add
-            A `Scene` or scene files whose objects are added, in the coordinates of the scene.
-        remove
-            Names of objects or buildings to remove.
-        move
-            Offset along x, y and z in metres, by object or building. Its receivers move with it.
-        height
-            Change of height, `"+3m"` or `"-3m"`, or new height, `"12m"`, by object or building. Its
-            walls follow its roofs.
-        material
-            New material of the whole object or building, by its name; a material of the scene or of
-            `materials`.
-        materials
-            A TOML file with the reflectances of added or changed materials.
-        on, spacing
-            Kinds of surfaces to cover with receivers where the scene is new or has another shape,
-            and the distance between receivers in metres. Default: roofs, walls and windows, about
-            as far apart as the archive's own receivers.
-        preview
-            Keeps what the edits can alter by less than this percentage of the light on open ground,
-            in the mean over the sky. The archive is then marked as a preview; the same call without
-            this argument completes it.
-        fresh
-            Discards an interrupted update at the output.
+        `add`: a `Scene` or scene files whose objects are added, in the coordinates of the scene.
+        `move={"tower": (0, 0, 3)}`, `height={"tower": "+3m"}` and `material={"tower": "brick"}` by
+        object or building. The options are those of `heliotile.options.UpdateOptions`.
         """
         from . import checks
-        from .scene import scene_request
+        from .scene import Scene
 
-        added = {"files": [], "frame": {}} if add is None else scene_request(add)
-        request = {
-            "before": self.path,
-            "output": os.fspath(output),
-            "edits": {
-                "remove": [remove] if isinstance(remove, str) else list(remove),
-                "moves": [{"object": name, "by_m": [number("move", one) for one in by]} for name, by in (move or {}).items()],
-                "heights": [{"object": name, "height": text} for name, text in (height or {}).items()],
-                "materials": [{"object": name, "material": other} for name, other in (material or {}).items()],
-            },
-            "add": added | ({} if materials is None else {"materials": os.fspath(materials)}),
-            "cover": {"on": list(on)},
-            "density": None if spacing is None else {"spacing": number("spacing", spacing)},
-            "preview_percent": percent("preview", preview),
-            "fresh": fresh,
-        }
-        path, done = checks.update(request, memory, progress)
+        said: dict[str, Any] = dict(options)
+        if isinstance(scene := options.get("add"), Scene):
+            said = {**scene.options, **said, "add": scene.files}
+            if of_files := [name for name in said if name in scene.options and name not in UpdateOptions.__optional_keys__]:
+                raise wrong("add", f"states {', '.join(of_files)}, which an update does not take", "give a scene of files that state their heights")
+        keywords = asked("Archive.update", UpdateOptions, said, before=self.path, output=output)
+        path, done = checks.update(keywords, options.get("progress"))
         archive = Archive.open(path)
         archive.updated = done
         return archive
@@ -215,50 +118,20 @@ class Archive(Askable):
 
         return checks.verify(self.path, deep=deep)[0]
 
-    def export(
-        self,
-        output: str | os.PathLike[str],
-        receiver: str | None = None,
-        *,
-        sun: tuple[float, float] | None = None,
-        dni: float = 0.0,
-        dhi: float = 0.0,
-        panel: bool = False,
-        sky: str = "perez",
-        patches: int | None = None,
-        bounces: int | None = None,
-        weather: Any = None,
-        latitude: float | None = None,
-        memory: int = MEMORY,
-    ) -> None:
+    def export(self, output: str | os.PathLike[str], receiver: str | None = None, **options: Unpack[ExportOptions]) -> None:
         """Writes the layers of a receiver, as values (`.exr`) or as a picture (`.png`), or without
         a receiver a table of all view factors: `heliotile export`.
 
         `sun`: azimuth, clockwise from true north, and altitude in degrees, with `dni` and `dhi` in
         W/m2. Values include its light, a picture marks its position, and `panel` makes six pictures
-        of its light paths. `weather`, a file or a `Weather` of one, or `latitude`: place of the
-        sun's paths in a picture.
+        of its light paths. The options are those of `heliotile.options.ExportOptions`.
         """
-        request = {
-            "place": self.path,
-            "access": self.access,
-            "output": os.fspath(output),
-            "receiver": receiver,
-            "panel": panel,
-            "sun": None if sun is None else [number("sun", one) for one in sun],
-            "dni_w_m2": number("dni", dni),
-            "dhi_w_m2": number("dhi", dhi),
-            "sky": sky,
-            "patches": whole("patches", patches),
-            "bounces": whole("bounces", bounces),
-            **weather_request(weather),
-            "latitude_deg": number("latitude", latitude),
-        }
-        _heliotile.export(json.dumps(request), memory)
+        if options.get("weather") is not None:
+            file_only(Weather.of(options["weather"]))
+        keywords = asked("Archive.export", ExportOptions, options, archive=self.path, output=output, access=self.access, receiver=receiver)
+        _heliotile.export(keywords.add(view_factors=receiver is None).args())
 
-    def view(
-        self, output: str | os.PathLike[str], *, with_: str | os.PathLike[str] | Archive | None = None, weather: Any = None, memory: int = MEMORY
-    ) -> None:
+    def view(self, output: str | os.PathLike[str], **options: Unpack[ViewOptions]) -> None:
         """Writes a page that shows the archive in a browser, also from a disk: `heliotile export
         --html`, byte by byte.
 
@@ -266,9 +139,11 @@ class Archive(Askable):
         if given. For a larger archive it asks for the file. `with_` is an archive of the same site
         after a change: the page then shows before, after and the change.
         """
-        after = with_.path if isinstance(with_, Archive) else None if with_ is None else os.fspath(with_)
-        request = {"archive": self.path, "with": after, "access": self.access, "output": os.fspath(output), **weather_request(weather)}
-        _heliotile.view(json.dumps(request), memory)
+        after = options.get("with_")
+        if options.get("weather") is not None:
+            file_only(Weather.of(options["weather"]))
+        said = {**options, "with_": after.path if isinstance(after, Archive) else after}
+        _heliotile.view(asked("Archive.view", ViewOptions, said, archive=self.path).args(), os.fspath(output), self.access)
 
     def _open(self, wanted: WantedArgs) -> _heliotile.ArchiveHandle:
         return self._handle

@@ -5,14 +5,14 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias, Unpack
 
 from . import _heliotile
 from .archive import Archive, absolute
 from .askable import Askable
-from .options import MEMORY, Progress, Wanted, WantedArgs, wanted_args
-from .errors import InputError
-from .given import whole, wrong
+from .errors import InputError, wrong
+from .given import MEMORY, WantedArgs, asked, wanted_args
+from .options import CatalogueOptions, Progress, Wanted
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -57,10 +57,10 @@ class Atlas(Askable):
         as in `Archive.open`."""
         return cls(path, grid_north)
 
-    def catalogue(self, *, title: str | None = None, license: str = "other") -> None:
+    def catalogue(self, **options: Unpack[CatalogueOptions]) -> None:
         """Writes a static STAC catalogue of the built parts, with pictures and a page: `heliotile
         catalogue`."""
-        _heliotile.catalogue(self.path, title, license)
+        _heliotile.catalogue(asked("Atlas.catalogue", CatalogueOptions, options, atlas=self.path).args())
 
     def parts(self, bbox: Box | None = None) -> list[AtlasPart]:
         """Returns the current parts by name, or only those that a box touches."""
@@ -108,7 +108,7 @@ class Atlas(Askable):
         """
         if part == "all":
             raise wrong("part", "`all` is not one part", "build one after the other (for part in atlas.parts(): atlas.build(part.name)), or use heliotile.dask.build(atlas, client)")
-        _heliotile.build_part(self.path, str(part), fresh, whole("threads", threads), memory, progress)
+        _heliotile.build_part(self.path, str(part), fresh, threads, memory, progress)
         parts = self.parts()
         named = {known.name: known for known in parts}
         return named[str(part)] if str(part) in named else parts[int(part)]

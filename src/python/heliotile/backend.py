@@ -5,8 +5,8 @@ receivers."""
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterable
+from typing import Any, Unpack
 
 import numpy as np
 import xarray as xr
@@ -14,7 +14,8 @@ from xarray.backends import BackendArray, BackendEntrypoint
 from xarray.core import indexing
 
 from .archive import Archive
-from .options import MEMORY, Follow, ReplayOptions, Wanted, light_args, replay_args, wanted_args
+from .given import MEMORY, asked, wanted_args
+from .options import ReplayOptions, Wanted
 from .lazy import LazyReplay
 
 #: Number of receivers of a tile, which is computed as a whole.
@@ -49,6 +50,8 @@ class LazyColumn(BackendArray):
 class HeliotileBackend(BackendEntrypoint):
     """Opens `.helio` archives under weather."""
 
+    # xarray reads names of options from a signature, and the options of a replay are keywords.
+    open_dataset_parameters = ("filename_or_obj", "drop_variables", "weather", "access", "grid_north", "receivers", "cache_bytes", *sorted(ReplayOptions.__optional_keys__))
     description = "Archives of heliotile, replayed under weather when values are read"
     url = "https://docs.xarray.dev/en/stable/user-guide/io.html"
 
@@ -58,32 +61,11 @@ class HeliotileBackend(BackendEntrypoint):
         *,
         drop_variables: str | Iterable[str] | None = None,
         weather: Any = None,
-        every: str = "hour",
-        columns: Sequence[str] | None = None,
-        bands: Sequence[str | os.PathLike[str]] | str | None = None,
-        reflectance: Mapping[str, Follow] | None = None,
-        transmittance: Mapping[str, Follow] | None = None,
-        snow: str | None = None,
-        snow_reflectance: float = 0.6,
-        temperature: Mapping[str, Follow] | None = None,
-        sky: str | os.PathLike[str] = "perez",
-        sky_scale: str | None = None,
-        sky_white: float | None = None,
-        clouds: str | os.PathLike[str] | None = None,
-        image_top: float | None = None,
-        patches: int | None = None,
-        paths: str | Sequence[str] = "all",
-        bounces: int | None = None,
-        steps: int | None = None,
-        stamp: str = "start",
-        year: int | None = None,
-        start: str | None = None,
-        end: str | None = None,
         access: str = "map",
         grid_north: bool = False,
         receivers: Wanted | None = None,
-        memory: int = MEMORY,
         cache_bytes: int = CACHE,
+        **options: Unpack[ReplayOptions],
     ) -> xr.Dataset:
         """A Dataset with the dimensions `receiver` and `time`; arguments are those of `Archive.replay`.
 
@@ -95,13 +77,8 @@ class HeliotileBackend(BackendEntrypoint):
         archive = filename_or_obj
         if not isinstance(archive, Archive):
             archive = Archive.open(filename_or_obj, access=access, grid_north=grid_north)
-        # xarray reads the names of its options from the signature.
-        options = ReplayOptions(
-            columns=columns, bands=bands, reflectance=reflectance, transmittance=transmittance, sky=sky, sky_scale=sky_scale, sky_white=sky_white,
-            clouds=clouds, image_top=image_top, patches=patches, paths=paths, bounces=bounces, memory=memory, every=every, stamp=stamp, year=year, start=start, end=end, steps=steps, snow=snow, snow_reflectance=snow_reflectance,
-            temperature=temperature,
-        )
-        replay = LazyReplay(archive, light_args(options), replay_args(weather, options), cache_bytes)
+        keywords = asked("Archive.replay", ReplayOptions, options, weather=weather)
+        replay = LazyReplay(archive, keywords, cache_bytes)
         frame = replay.frame
         shape = (frame.receivers, len(frame.labels))
         dims = ("receiver", frame.label)
@@ -118,7 +95,7 @@ class HeliotileBackend(BackendEntrypoint):
         data = xr.Dataset(variables, coordinates, frame.provenance)
         if receivers is None:
             return data
-        [ids] = archive._handle.chosen(wanted_args(receivers), memory)
+        [ids] = archive._handle.chosen(wanted_args(receivers), MEMORY)
         return data if ids is None else data.sel(receiver=ids)
 
     def guess_can_open(self, filename_or_obj: Any) -> bool:

@@ -7,11 +7,12 @@ from __future__ import annotations
 import json
 import os
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 from . import _heliotile
-from .options import MEMORY, Progress
-from .scene import Scene, scene_request
+from .given import Asked, asked
+from .options import Progress, RepairOptions, VerifyOptions
+from .scene import scene_options
 
 if TYPE_CHECKING:
     from .archive import Archive
@@ -172,15 +173,15 @@ class UpdateDone:
     text: str = field(repr=False)
 
 
-def update(request: dict[str, Any], memory: int, progress: Progress | None) -> tuple[str, UpdateDone]:
+def update(keywords: Asked, progress: Progress | None) -> tuple[str, UpdateDone]:
     """Returns the archive of an edited scene; `Archive.update` fills the request."""
-    path, (kept, moved, gone, new), buried, rays, text = _heliotile.update(json.dumps(request), memory, progress)
+    path, (kept, moved, gone, new), buried, rays, text = _heliotile.update(keywords.args(), progress)
     return os.fspath(path), UpdateDone(kept, moved, gone, new, buried, rays, text)
 
 
-def audit(request: dict[str, Any], output: str | os.PathLike[str] | None, memory: int, progress: Progress | None) -> AuditReport:
+def audit(keywords: Asked, progress: Progress | None) -> AuditReport:
     """Runs an audit; `Archive.audit` fills the request."""
-    text, table = _heliotile.audit(json.dumps(request), None if output is None else os.fspath(output), memory, progress)
+    text, table = _heliotile.audit(keywords.args(), progress)
     found = json.loads(text)
     components = {one["component"]: _errors(ComponentErrors, one) for one in found.pop("components")}
     sky_views = [_errors(SkyViewErrors, one | {"sky_view": tuple(one["sky_view"])}) for one in found.pop("sky_views")]
@@ -188,7 +189,7 @@ def audit(request: dict[str, Any], output: str | os.PathLike[str] | None, memory
     return AuditReport(**found, components=components, sky_views=sky_views, hour_kinds=hour_kinds, table=table)
 
 
-def verify(place: str | os.PathLike[str], *, deep: bool = False) -> list[CheckedArchive]:
+def verify(place: str | os.PathLike[str], **options: Unpack[VerifyOptions]) -> list[CheckedArchive]:
     """Checks every block of an archive, or of all archives of an atlas: `heliotile verify`, finding
     by finding.
 
@@ -197,7 +198,7 @@ def verify(place: str | os.PathLike[str], *, deep: bool = False) -> list[Checked
     """
     return [
         CheckedArchive(os.fspath(name), blocks, stored, trailing, [Problem(*problem) for problem in problems], misplaced, text)
-        for name, blocks, stored, trailing, problems, misplaced, text in _heliotile.verify(os.fspath(place), deep)
+        for name, blocks, stored, trailing, problems, misplaced, text in _heliotile.verify(asked("verify", VerifyOptions, options, archive=place).args())
     ]
 
 
@@ -205,10 +206,7 @@ def repair(
     archive: str | os.PathLike[str],
     scene: Any,
     output: str | os.PathLike[str] | None = None,
-    *,
-    receivers: str | os.PathLike[str] | None = None,
-    memory: int = MEMORY,
-    progress: Progress | None = None,
+    **options: Unpack[RepairOptions],
 ) -> RepairDone:
     """Repairs a damaged archive: `heliotile repair`, byte by byte. Good blocks are kept; the others
     are traced again.
@@ -216,9 +214,11 @@ def repair(
     `scene`: the `Scene` of the archive, or its files. `receivers`: their table, needed if the
     archive's own is damaged. Without an `output` the damaged archive is replaced.
     """
-    request = {"archive": os.fspath(archive), "scene": original_scene(scene)}
-    request |= {name: os.fspath(path) for name, path in (("output", output), ("receivers", receivers)) if path is not None}
-    path, problems, rays, text = _heliotile.repair(json.dumps(request), memory, progress)
+    plain: dict[str, Any] = {name: value for name, value in options.items() if name != "receivers"}
+    keywords = asked("repair", RepairOptions, plain, archive=archive, output=output, **original_scene(scene))
+    if (table := options.get("receivers")) is not None:
+        keywords.receivers(os.fspath(table))
+    path, problems, rays, text = _heliotile.repair(keywords.args(), options.get("progress"))
     return RepairDone(os.fspath(path), [Problem(*problem) for problem in problems], rays, text)
 
 
@@ -230,9 +230,6 @@ def _errors(errors: type[Any], found: dict[str, Any]) -> Any:
 
 
 def original_scene(scene: Any) -> dict[str, Any]:
-    """Returns the scene of an archive for a request, without the location, which the archive
+    """Returns the keywords of the scene of an archive, without the location, which the archive
     states."""
-    request = scene_request(scene)
-    if isinstance(scene, Scene):
-        request["frame"] = {name: said for name, said in request["frame"].items() if name in ("elevation_m", "scale", "up")}
-    return request
+    return {name: said for name, said in scene_options(scene).items() if name not in ("crs", "latitude", "longitude", "rotate_deg", "grid_north")}

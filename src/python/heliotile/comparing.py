@@ -15,8 +15,9 @@ import numpy as np
 
 from .archive import Archive
 from .askable import Askable
-from .given import wrong
-from .options import QueryOptions, ReplayOptions, check, conditions_source, light_args, replay_args, wanted_args
+from .errors import wrong
+from .given import asked, wanted_of
+from .options import CompareOptions
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -75,15 +76,7 @@ def compare(
     before: Site,
     after: Site | Sequence[Site],
     weather: Any = None,
-    *,
-    conditions: Any = None,
-    by: str = "receiver",
-    output: str | os.PathLike[str] | None = None,
-    plots: Sequence[str | os.PathLike[str]] = (),
-    geo: bool = False,
-    summary: str | os.PathLike[str] | None = None,
-    unmatched: str | os.PathLike[str] | None = None,
-    **options: Unpack[ReplayOptions],
+    **options: Unpack[CompareOptions],
 ) -> Comparison:
     """Compares the light of receivers before and after a change of a site: `heliotile compare`,
     value by value.
@@ -91,28 +84,24 @@ def compare(
     `before` and `after` are paths or archives; `before` may be an `Atlas`. Several archives after
     the change give a summary. Give `weather` with the options of `Archive.replay`, where the
     default of `every` is `"total"`, or `conditions` with the options of `Archive.query`. The
-    default of `columns` is `["total"]`. `by`: what a row stands for, such as `"receiver"`.
-    `output`: a table or a map that is written instead of values in memory. `plots`: pictures.
-    `summary`: a table with a row for each changed archive. `unmatched`: a table of the receivers
-    that exist on one side only.
+    default of `columns` is `["total"]`. `output`: a table or a map that is written instead of
+    values in memory. The other options are those of `heliotile.options.CompareOptions`.
     """
-    if (weather is None) == (conditions is None):
+    if (weather is None) == (options.get("conditions") is None):
         raise wrong("weather, conditions", "neither or both are given", "give one of the two")
-    check("compare", options, ReplayOptions if conditions is None else QueryOptions)
-    options = {"columns": ["total"], **options}
+    said: dict[str, Any] = {"columns": ["total"], **options}
     variants = [after] if isinstance(after, (str, os.PathLike, Archive)) else list(after)
-    in_memory = output is None and not plots and len(variants) == 1
+    in_memory = options.get("output") is None and not options.get("plots") and len(variants) == 1
     with tempfile.TemporaryDirectory() as folder:
         table = Path(folder) / "change.npz"
-        files = {"output": os.fspath(table if in_memory else output or "-"), "by": by, "geo": geo, "plots": [os.fspath(plot) for plot in plots]}
-        request = {"after": [_path(variant) for variant in variants], "files": files}
-        request |= {name: None if path is None else os.fspath(path) for name, path in (("summary", summary), ("unmatched", unmatched))}
-        forcing = conditions_source(conditions) if weather is None else replay_args(weather, {"every": "total", **options})
-        wanted = wanted_args(options.get("receivers"))
+        if in_memory:
+            said["output"] = table
+        keywords = asked("compare", CompareOptions, said, weather=weather, after=[_path(variant) for variant in variants])
+        wanted = wanted_of(options)
         site = before if isinstance(before, Askable) else Archive.open(before)
-        rows, text = site._open(wanted).compare(light_args(options), forcing, wanted, json.dumps(request), options.get("progress"))
+        rows, text = site._open(wanted).compare(keywords.args(), wanted, options.get("progress"))
         made = Comparison(json.loads(rows), text)
-        return _with_values(made, table, by) if in_memory else made
+        return _with_values(made, table, options.get("by") or "receiver") if in_memory else made
 
 
 def _path(site: Site) -> str:

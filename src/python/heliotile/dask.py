@@ -5,12 +5,12 @@ and arguments are sent."""
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from . import given
 from .archive import Archive, absolute
-from .options import MEMORY, Wanted
+from .given import FOLLOWED, MEMORY
+from .options import Wanted
 from .atlas import Atlas
 from .workers import share_threads
 
@@ -57,7 +57,7 @@ def replay(atlas: Atlas | str, weather: Any, *, receivers: Wanted | None = None,
     atlas = atlas if isinstance(atlas, Atlas) else Atlas.open(atlas)
     chosen = [(absolute(archive), ids) for _, archive, ids in atlas._chosen(receivers)]
     weather = absolute(os.fspath(weather)) if isinstance(weather, (str, os.PathLike)) else weather
-    follow = {name: given.named(name, choices[name], 'give a mapping, as in {"ground": 0.3}') for name in ("reflectance", "transmittance", "temperature") if choices.get(name)}
+    follow = {name: choices[name] for name in FOLLOWED if isinstance(choices.get(name), Mapping)}
     whole = {name: {of: absolute(os.fspath(v)) if isinstance(v, (str, os.PathLike)) else v for of, v in pairs.items()} for name, pairs in follow.items()}
     choices = choices | whole
     first, ids = chosen[0]

@@ -72,3 +72,10 @@ class LimitError(Error, OverflowError):
 
 class HeliotileWarning(UserWarning):
     """Warning that the program would print."""
+
+
+def wrong(argument: str, what: str, hint: str) -> ArgumentError:
+    """Returns an error about an argument, in the usual form."""
+    error = ArgumentError(f"{argument}: {what}\n  to fix: {hint}")
+    error.argument, error.what, error.hint = argument, what, hint
+    return error

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from . import _heliotile
-from .archive import Archive, absolute
+from .archive import Archive
+from .given import Asked
 from .results import Frame
 from .workers import share_threads
 
@@ -20,8 +21,8 @@ AT_ONCE = 1024
 class LazyReplay:
     """Rows of a replay by receiver. Threads may share it; a pickle opens the archive again."""
 
-    def __init__(self, archive: Archive, light: dict[str, Any], args: dict[str, Any], cache: int) -> None:
-        self._made_of = (archive, light, args, cache)
+    def __init__(self, archive: Archive, keywords: Asked, cache: int) -> None:
+        self._made_of = (archive, keywords, cache)
         self._lock = threading.Lock()
         self._handle: _heliotile.LazyReplay | None = None
 
@@ -31,8 +32,8 @@ class LazyReplay:
         with self._lock:
             if self._handle is None:
                 share_threads()
-                archive, light, args, cache = self._made_of
-                self._handle = archive._handle.lazy(light, args, cache)
+                archive, keywords, cache = self._made_of
+                self._handle = archive._handle.lazy(keywords.args(), cache)
             return self._handle
 
     @property
@@ -57,15 +58,8 @@ class LazyReplay:
         return found
 
     def __getstate__(self) -> tuple[Any, ...]:
-        archive, light, args, cache = self._made_of
-        weather = args["weather"] | {"name": absolute(args["weather"]["name"])}
-        return archive, _whole_paths(light), _whole_paths(args | {"weather": weather}), cache
+        archive, keywords, cache = self._made_of
+        return archive, keywords.absolute(), cache
 
     def __setstate__(self, state: tuple[Any, ...]) -> None:
         self.__init__(*state)
-
-
-def _whole_paths(args: dict[str, Any]) -> dict[str, Any]:
-    """Returns arguments with absolute paths of schedules, for processes in other folders."""
-    follow = {name: args[name] for name in ("reflectance", "transmittance", "temperature") if name in args}
-    return args | {name: [(of, absolute(value) if isinstance(value, str) else value) for of, value in pairs] for name, pairs in follow.items()}

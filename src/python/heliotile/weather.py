@@ -6,29 +6,16 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from datetime import datetime, timedelta, timezone
-from typing import Any, TypedDict
+from typing import Any
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 import numpy as np
 
-from . import given
-from .errors import ArgumentError
+from .errors import ArgumentError, wrong
 from .tables import checked, columns_of, csv_of, refused
 
 #: Name of weather from a table, for messages and provenance.
 TABLE = "weather"
-
-
-class WeatherArgs(TypedDict):
-    """Weather as the engine takes it."""
-
-    weather: dict[str, Any]
-    latitude: float | None
-    longitude: float | None
-    time_zone: str | None
-    shift: str | None
-    weather_stamp: str | None
-    date_order: str | None
 
 
 class Weather:
@@ -90,43 +77,21 @@ class Weather:
             zone = None if time_zone is None else str(time_zone)
         else:
             self._bytes, zone = _table(source, name, time_zone)
-        self._said = (given.number("latitude", latitude), given.number("longitude", longitude), zone, shift, stamp, date_order)
+        self.said: tuple[float | None, float | None, str | None, str | None, str | None, str | None] = (latitude, longitude, zone, shift, stamp, date_order)
+        """Statements about the weather: latitude, longitude, zone, shift, stamp, order of dates."""
 
     @classmethod
     def of(cls, source: Any) -> Weather:
         """Returns a `Weather` as it is, or the weather of a path or a table without options."""
         return source if isinstance(source, cls) else cls(source)
 
-    def args(self) -> WeatherArgs:
-        """Returns the arguments that the engine takes."""
-        latitude, longitude, time_zone, shift, stamp, date_order = self._said
-        return {
-            "weather": {"name": self.name, "bytes": self._bytes},
-            "latitude": latitude,
-            "longitude": longitude,
-            "time_zone": time_zone,
-            "shift": shift,
-            "weather_stamp": stamp,
-            "date_order": date_order,
-        }
-
-    def request(self) -> tuple[str, dict[str, Any]]:
-        """Returns the path of the file and its options, for a request."""
-        if self._bytes is not None:
-            raise given.wrong(self.name, "is a table, and this function reads weather from a file only", "write the table to a CSV file and give its path")
-        names = ("latitude_deg", "longitude_deg", "zone_hours", "shift", "stamped_at", "date_order")
-        return self.name, {name: said for name, said in zip(names, self._said, strict=True) if said is not None}
+    @property
+    def table(self) -> bytes | None:
+        """Table in memory, as the text of a CSV file; None for a file."""
+        return self._bytes
 
     def __repr__(self) -> str:
         return f"Weather({self.name!r})"
-
-
-def weather_request(weather: Any) -> dict[str, Any]:
-    """Returns the path of a weather file, or a `Weather` of one, for a request; empty for None."""
-    if weather is None:
-        return {}
-    path, about = Weather.of(weather).request()
-    return {"weather": path} | ({"about_weather": about} if about else {})
 
 
 #: Names of times, without case, blanks and underscores, that the engine's reader knows; the usual
@@ -293,4 +258,4 @@ def _zone(of: Any) -> Any:
     try:
         return datetime.fromisoformat(f"2000-01-01T00:00{of}").tzinfo if of[:1] in ("+", "-") else ZoneInfo(of)
     except (ZoneInfoNotFoundError, ValueError):
-        raise given.wrong("time_zone", f"`{of}` is not a known time zone", 'give hours ahead of UTC, as in "+01:00", or a name such as "America/Denver"') from None
+        raise wrong("time_zone", f"`{of}` is not a known time zone", 'give hours ahead of UTC, as in "+01:00", or a name such as "America/Denver"') from None

@@ -6,25 +6,23 @@ use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use serde::Deserialize;
 use serde_json::Value;
 
-use crate::asked::{Filled, Forcing, LightArgs, Memory, ReplayArgs, Source};
+use crate::asked::{Asked, Memory};
 use crate::errors::raised;
 use crate::lazy::LazyReplay;
 use crate::memory::Block;
 use crate::results::{Frame, Gathered, Recombined};
-use crate::studies::{request, resources};
 use crate::table::columns_of;
 use crate::work;
-
 use heliotile::archive::{Archive, format};
 use heliotile::atlas::check_square;
+use heliotile::cases::{Buildings, Compare, Extract, Factors, Glare, PeopleOfSite, Places, Query, Replay, Sunlight};
 use heliotile::names::by_name;
 use heliotile::tables::{Cell, Records};
 use heliotile::{
-    Access, Bounds, BuildingsRequest, ComfortChoice, CompareRequest, Error, FACTORS, FactorRows, FileRequest,
-    PartReceivers, PlacesRequest, ReceiverChoice, Result, Selection, Site, SiteOptions, SiteReplay, SunlightRequest,
+    Access, Bounds, Error, FACTORS, FactorRows, Illumination, PartReceivers, Provenance, ReceiverChoice, Resources,
+    Result, Selection, Site, SiteOptions, SiteReplay,
 };
 
 /// An open archive, or open parts of an atlas, with the choice of which way is north. Several
@@ -47,32 +45,6 @@ pub enum Wanted {
     Ids(Vec<String>),
     File(PathBuf),
     Of(BTreeMap<String, Of>),
-}
-
-/// Request to compare other archives with this one, and the files to write.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Comparison {
-    after: Vec<PathBuf>,
-    files: FileRequest,
-    summary: Option<PathBuf>,
-    unmatched: Option<PathBuf>,
-}
-
-/// Request for hours of sunlight, and the files to write.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Sunlight {
-    request: SunlightRequest,
-    files: FileRequest,
-}
-
-/// Request for thermal comfort, and the files to write.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Comfort {
-    choice: ComfortChoice,
-    files: FileRequest,
 }
 
 /// Returns the rows of a table as JSON objects, keyed by the names of the columns; an empty cell is
@@ -165,10 +137,10 @@ impl ArchiveHandle {
 
     /// Returns the ids of the selected receivers of each archive in turn; `None` if all receivers
     /// of an archive are selected.
-    #[pyo3(signature = (receivers, memory))]
-    fn chosen(&self, py: Python<'_>, receivers: Wanted, memory: Memory) -> PyResult<Vec<Option<Vec<String>>>> {
+    #[pyo3(name = "chosen", signature = (receivers, memory))]
+    fn chosen_ids(&self, py: Python<'_>, receivers: Wanted, memory: Memory) -> PyResult<Vec<Option<Vec<String>>>> {
         work::run(py, None, |_| {
-            let site = self.chosen_site(Some(receivers))?;
+            let site = self.chosen(Some(receivers))?;
             let chosen = site.receivers(Path::new("-"), memory.0)?;
             let ids = |part: &PartReceivers| {
                 let all = part.count() == part.site.receivers();
@@ -228,7 +200,7 @@ impl ArchiveHandle {
         memory: Memory,
     ) -> PyResult<Bound<'py, PyDict>> {
         let columns = work::run(py, None, |_| {
-            let site = self.chosen_site(receivers)?;
+            let site = self.chosen(receivers)?;
             columns_of(site.receivers(Path::new("-"), memory.0)?.rows())
         })?;
         let table = PyDict::new(py);
@@ -237,210 +209,202 @@ impl ArchiveHandle {
     }
 
     /// Computes irradiance under weather, all in memory.
-    #[pyo3(signature = (light, args, receivers, progress))]
+    #[pyo3(signature = (asked, receivers, progress))]
     fn replay(
         &self,
         py: Python<'_>,
-        light: LightArgs,
-        args: ReplayArgs,
+        asked: Asked,
         receivers: Option<Wanted>,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Recombined> {
-        self.recombine(py, light, Forcing::Weather(Box::new(args)), receivers, progress)
+        asked.run::<Replay, _>(py, ARCHIVE, progress.as_ref(), |args, about, resources| {
+            self.recombined(&under_weather(args), receivers, about, resources)
+        })
     }
 
     /// Computes irradiance under conditions, all in memory.
-    #[pyo3(signature = (light, conditions, receivers, progress))]
+    #[pyo3(signature = (asked, receivers, progress))]
     fn query(
         &self,
         py: Python<'_>,
-        light: LightArgs,
-        conditions: Source,
+        asked: Asked,
         receivers: Option<Wanted>,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Recombined> {
-        self.recombine(py, light, Forcing::Conditions(conditions), receivers, progress)
+        asked.run::<Query, _>(py, ARCHIVE, progress.as_ref(), |args, about, resources| {
+            self.recombined(&under_conditions(args), receivers, about, resources)
+        })
     }
 
     /// Writes irradiance to files: tables, maps, charts, a city model. Returns a sentence about
     /// what was written, if there is one.
-    #[pyo3(signature = (light, forcing, receivers, files, progress))]
+    #[pyo3(signature = (asked, is_replay, receivers, progress))]
     fn write(
         &self,
         py: Python<'_>,
-        light: LightArgs,
-        forcing: Bound<'_, PyAny>,
+        asked: Asked,
+        is_replay: bool,
         receivers: Option<Wanted>,
-        files: &str,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Option<String>> {
-        let files: FileRequest = request(files).map_err(|error| raised(py, error))?;
-        let asked = Filled::new(light, Forcing::of(&forcing)?).map_err(|error| raised(py, error))?;
-        work::run(py, progress.as_ref(), |watch| {
-            let site = self.chosen_site(receivers)?;
-            asked.ask(&site, watch, |site, resources| site.write(&asked.request, &files, resources))
-        })
+        match is_replay {
+            true => asked.run::<Replay, _>(py, ARCHIVE, progress.as_ref(), |args, about, resources| {
+                self.chosen(receivers)?.stating(about).write(&under_weather(args), &args.files, resources)
+            }),
+            false => asked.run::<Query, _>(py, ARCHIVE, progress.as_ref(), |args, about, resources| {
+                self.chosen(receivers)?.stating(about).write(&under_conditions(args), &args.files, resources)
+            }),
+        }
     }
 
     /// Writes how a change of the site changes its light. Returns the summary as JSON, one row for
     /// each archive of the changed site, and as text.
-    #[pyo3(signature = (light, forcing, receivers, request, progress))]
+    #[pyo3(signature = (asked, receivers, progress))]
     fn compare(
         &self,
         py: Python<'_>,
-        light: LightArgs,
-        forcing: Bound<'_, PyAny>,
+        asked: Asked,
         receivers: Option<Wanted>,
-        request: &str,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<(String, String)> {
-        let Comparison { after, files, summary, unmatched } =
-            crate::studies::request(request).map_err(|error| raised(py, error))?;
-        let asked = Filled::new(light, Forcing::of(&forcing)?).map_err(|error| raised(py, error))?;
-        work::run(py, progress.as_ref(), |watch| {
-            let site = self.chosen_site(receivers)?;
-            let request = CompareRequest { after, under: asked.request.clone(), summary, unmatched };
-            let done = asked.ask(&site, watch, |site, resources| site.compare(&request, &files, resources))?;
+        asked.run::<Compare, _>(py, ARCHIVE, progress.as_ref(), |args, about, resources| {
+            let done = self.chosen(receivers)?.stating(about).compare(&args.request(), &args.files, resources)?;
             Ok((json_of(&done.table()).to_string(), done.text()))
         })
     }
 
     /// Writes a solar cadastre from sums over a year. Returns the numbers of buildings and of roof
     /// faces.
-    #[pyo3(signature = (light, replay, files, progress))]
-    fn buildings(
-        &self,
-        py: Python<'_>,
-        light: LightArgs,
-        replay: ReplayArgs,
-        files: &str,
-        progress: Option<Bound<'_, PyAny>>,
-    ) -> PyResult<(u64, u64)> {
-        let request: BuildingsRequest = request(files).map_err(|error| raised(py, error))?;
-        let (asked, year) = Filled::replay(light, replay).map_err(|error| raised(py, error))?;
-        let done = work::run(py, progress.as_ref(), |watch| {
-            asked.ask(&self.site, watch, |site, resources| site.buildings(&year, &request, resources))
-        })?;
-        Ok((done.buildings, done.faces))
+    #[pyo3(signature = (asked, progress))]
+    fn buildings(&self, py: Python<'_>, asked: Asked, progress: Option<Bound<'_, PyAny>>) -> PyResult<(u64, u64)> {
+        asked.run::<Buildings, _>(py, ARCHIVE, progress.as_ref(), |args, about, resources| {
+            let done = self.site.stating(about).buildings(&args.year(), &args.request, resources)?;
+            Ok((done.buildings, done.faces))
+        })
     }
 
     /// Writes the best places for modules by sums over a year. Returns the numbers of places and of
     /// receivers to choose from.
-    #[pyo3(signature = (light, replay, files, progress))]
-    fn places(
-        &self,
-        py: Python<'_>,
-        light: LightArgs,
-        replay: ReplayArgs,
-        files: &str,
-        progress: Option<Bound<'_, PyAny>>,
-    ) -> PyResult<(u64, u64)> {
-        let request: PlacesRequest = request(files).map_err(|error| raised(py, error))?;
-        let (asked, year) = Filled::replay(light, replay).map_err(|error| raised(py, error))?;
-        let done = work::run(py, progress.as_ref(), |watch| {
-            asked.ask(&self.site, watch, |site, resources| site.places(&year, &request, resources))
-        })?;
-        Ok((done.places, done.receivers))
+    #[pyo3(signature = (asked, progress))]
+    fn places(&self, py: Python<'_>, asked: Asked, progress: Option<Bound<'_, PyAny>>) -> PyResult<(u64, u64)> {
+        asked.run::<Places, _>(py, ARCHIVE, progress.as_ref(), |args, about, resources| {
+            let done = self.site.stating(about).places(&args.year(), &args.request, resources)?;
+            Ok((done.places, done.receivers))
+        })
     }
 
     /// Writes thermal comfort of people. Returns the numbers of points and of hours.
-    #[pyo3(signature = (light, replay, asked, progress))]
-    fn comfort(
-        &self,
-        py: Python<'_>,
-        light: LightArgs,
-        replay: ReplayArgs,
-        asked: &str,
-        progress: Option<Bound<'_, PyAny>>,
-    ) -> PyResult<(u64, u64)> {
-        let Comfort { choice, files } = request(asked).map_err(|error| raised(py, error))?;
-        let (filled, request) = Filled::for_people(light, replay, choice).map_err(|error| raised(py, error))?;
-        let done = work::run(py, progress.as_ref(), |watch| {
-            filled.ask(&self.site, watch, |site, resources| site.comfort(&request, &files, resources))
-        })?;
-        Ok((done.points, done.hours))
+    #[pyo3(signature = (asked, progress))]
+    fn comfort(&self, py: Python<'_>, asked: Asked, progress: Option<Bound<'_, PyAny>>) -> PyResult<(u64, u64)> {
+        asked.run::<PeopleOfSite, _>(py, &[], progress.as_ref(), |args, about, resources| {
+            let done = self.site.stating(about).comfort(&args.request(), &args.files, resources)?;
+            Ok((done.points, done.hours))
+        })
     }
 
     /// Writes hours of possible sun and how rules rate them. Returns the results as JSON.
-    #[pyo3(signature = (receivers, asked, memory, progress))]
+    #[pyo3(signature = (asked, receivers, progress))]
     fn sunlight(
         &self,
         py: Python<'_>,
+        asked: Asked,
         receivers: Option<Wanted>,
-        asked: &str,
-        memory: Memory,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<String> {
-        let Sunlight { request, files } = crate::studies::request(asked).map_err(|error| raised(py, error))?;
-        let done = work::run(py, progress.as_ref(), |watch| {
-            self.chosen_site(receivers)?.sunlight(&request, &files, &resources(memory, watch))
-        })?;
-        Ok(serde_json::json!(done).to_string())
+        asked.run::<Sunlight, _>(py, ARCHIVE, progress.as_ref(), |args, about, resources| {
+            let done = self.chosen(receivers)?.stating(about).sunlight(&args.request, &args.files, resources)?;
+            Ok(serde_json::json!(done).to_string())
+        })
+    }
+
+    /// Writes when mirrors reflect the sun and how rules rate that. Returns the results as JSON.
+    #[pyo3(signature = (asked, receivers, progress))]
+    fn glare(
+        &self,
+        py: Python<'_>,
+        asked: Asked,
+        receivers: Option<Wanted>,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<String> {
+        asked.run::<Glare, _>(py, ARCHIVE, progress.as_ref(), |args, about, resources| {
+            let done = self.chosen(receivers)?.stating(about).sunlight(&args.request(), &args.files, resources)?;
+            Ok(serde_json::json!(done).to_string())
+        })
     }
 
     /// Writes an archive of some receivers and opens it.
-    #[pyo3(signature = (output, receivers, with_scene, memory, progress))]
+    #[pyo3(signature = (asked, receivers, progress))]
     fn extract(
         &self,
         py: Python<'_>,
-        output: PathBuf,
+        asked: Asked,
         receivers: Wanted,
-        with_scene: bool,
-        memory: Memory,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<ArchiveHandle> {
-        work::run(py, progress.as_ref(), |watch| {
-            self.chosen_site(Some(receivers))?.extract(&output, with_scene, memory.0, watch)?;
-            ArchiveHandle::of(&output)
+        asked.run::<Extract, _>(py, &["archive", "receivers"], progress.as_ref(), |args, _, resources| {
+            let site = self.chosen(Some(receivers))?;
+            site.extract(&args.output, !args.no_scene, resources.memory, resources.observer)?;
+            ArchiveHandle::of(&args.output)
         })
     }
 
     /// Returns a replay that computes tiles on demand and keeps up to `cache` bytes of them.
-    fn lazy(&self, py: Python<'_>, light: LightArgs, args: ReplayArgs, cache: usize) -> PyResult<LazyReplay> {
-        let asked = Filled::new(light, Forcing::Weather(Box::new(args))).map_err(|error| raised(py, error))?;
-        work::run(py, None, |watch| {
+    fn lazy(&self, py: Python<'_>, asked: Asked, cache: usize) -> PyResult<LazyReplay> {
+        asked.run::<Replay, _>(py, ARCHIVE, None, |args, about, resources| {
             self.site.only()?;
-            asked.ask(&self.site, watch, |site, resources| {
-                let replay = site.under(&asked.request, Path::new("-"), resources)?;
-                LazyReplay::new(&self.site, &replay, Frame::new(&replay, self.site.count() as usize), cache)
-            })
+            let site = self.site.stating(about);
+            let replay = site.under(&under_weather(args), Path::new("-"), resources)?;
+            LazyReplay::new(&self.site, &replay, Frame::new(&replay, self.site.count() as usize), cache)
         })
     }
 
     /// Computes the five factors over the sun's position. Returns names, azimuths, altitudes, and
-    /// `[name][azimuth][altitude]` for each factor.
-    #[pyo3(signature = (steps, by, receivers, memory, progress))]
+    /// `[name][azimuth][altitude]` for each factor. Writes them to a table, if one is named.
+    #[pyo3(signature = (asked, receivers, progress))]
     fn factors(
         &self,
         py: Python<'_>,
-        steps: (f64, f64),
-        by: &str,
+        asked: Asked,
         receivers: Option<Wanted>,
-        memory: Memory,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<FactorColumns> {
-        let by = by_name("by", by).map_err(|error| raised(py, error))?;
-        let (names, grid, columns) = work::run(py, progress.as_ref(), |watch| {
-            let site = self.chosen_site(receivers)?;
-            let chosen = site.receivers(Path::new("-"), memory.0)?;
-            let rows = FactorRows::new(&chosen, steps, by, &resources(memory, watch))?;
-            let grid = *rows.grid();
-            let (mut names, mut columns) = (Vec::new(), vec![Vec::new(); FACTORS.len()]);
-            rows.each(watch, |name, factors| {
-                names.push(name.to_owned());
-                for sun in factors {
-                    columns.iter_mut().zip(sun).for_each(|(column, factor)| column.push(factor));
+        let (names, grid, columns) =
+            asked.run::<Factors, _>(py, ARCHIVE, progress.as_ref(), |args, about, resources| {
+                let (site, request) = (self.chosen(receivers)?.stating(about), &args.request);
+                if request.output != Path::new("-") {
+                    site.factors(request, resources)?;
                 }
-                Ok(true)
+                let chosen = site.receivers(Path::new("-"), resources.memory)?;
+                let steps = (request.azimuth_step_deg, request.altitude_step_deg);
+                let rows = FactorRows::new(&chosen, steps, request.by, resources)?;
+                let grid = *rows.grid();
+                let (mut names, mut columns) = (Vec::new(), vec![Vec::new(); FACTORS.len()]);
+                rows.each(resources.observer, |name, factors| {
+                    names.push(name.to_owned());
+                    for sun in factors {
+                        columns.iter_mut().zip(sun).for_each(|(column, factor)| column.push(factor));
+                    }
+                    Ok(true)
+                })?;
+                work::count_tiles(chosen.parts().iter().map(|part| part.tiles().len()).sum());
+                Ok((names, grid, columns))
             })?;
-            work::count_tiles(chosen.parts().iter().map(|part| part.tiles().len()).sum());
-            Ok((names, grid, columns))
-        })?;
         let (azimuths, altitudes) = (grid.azimuths_deg(), grid.altitudes_deg());
         let shape = [names.len(), azimuths.len(), altitudes.len()];
         let columns = FACTORS.into_iter().zip(columns).map(|(name, values)| (name, Block::of::<f64>(values, &shape)));
         Ok((names, azimuths, altitudes, columns.collect()))
     }
+}
+
+/// Field that an open archive fills.
+const ARCHIVE: &[&str] = &["archive"];
+
+fn under_weather(args: &Replay) -> Illumination {
+    Illumination::Weather(Box::new(args.request.clone()))
+}
+
+fn under_conditions(args: &Query) -> Illumination {
+    Illumination::Conditions(Box::new(args.request.clone()))
 }
 
 impl ArchiveHandle {
@@ -456,30 +420,24 @@ impl ArchiveHandle {
     }
 
     /// Returns the site with the selected receivers.
-    fn chosen_site(&self, receivers: Option<Wanted>) -> Result<Site> {
+    fn chosen(&self, receivers: Option<Wanted>) -> Result<Site> {
         Ok(self.site.select(receivers.map(|wanted| wanted.selection()).transpose()?))
     }
 
-    fn recombine(
+    fn recombined(
         &self,
-        py: Python<'_>,
-        light: LightArgs,
-        forcing: Forcing,
+        under: &Illumination,
         receivers: Option<Wanted>,
-        progress: Option<Bound<'_, PyAny>>,
-    ) -> PyResult<Recombined> {
-        let asked = Filled::new(light, forcing).map_err(|error| raised(py, error))?;
-        work::run(py, progress.as_ref(), |watch| {
-            let site = self.chosen_site(receivers)?;
-            asked.ask(&site, watch, |site, resources| {
-                let replay: SiteReplay = site.under(&asked.request, Path::new("-"), resources)?;
-                let names = replay.receivers().names()?;
-                let frame = Frame::new(&replay, names.len());
-                let mut gathered = Gathered::new(&frame);
-                replay.stream().feed(&mut gathered)?;
-                let columns = gathered.columns();
-                Ok(Recombined::new(frame, names, columns))
-            })
-        })
+        about: Provenance,
+        resources: &Resources,
+    ) -> Result<Recombined> {
+        let site = self.chosen(receivers)?.stating(about);
+        let replay: SiteReplay = site.under(under, Path::new("-"), resources)?;
+        let names = replay.receivers().names()?;
+        let frame = Frame::new(&replay, names.len());
+        let mut gathered = Gathered::new(&frame);
+        replay.stream().feed(&mut gathered)?;
+        let columns = gathered.columns();
+        Ok(Recombined::new(frame, names, columns))
     }
 }

@@ -4,6 +4,7 @@
 use pyo3::prelude::*;
 
 use heliotile::Error;
+use heliotile::cases::{Aim, COMMANDS};
 use heliotile::text::{Named, with_fields};
 use heliotile_program::{command_of, option_of};
 
@@ -34,27 +35,20 @@ pub fn worded_text(text: &str) -> String {
 /// Returns the keyword of a request's field, or the command that starts the program from Python.
 fn in_python(named: Named) -> Option<String> {
     match named {
-        Named::Field(field) => option_of(field).map(|_| keyword(field).to_owned()),
+        Named::Field(field) => option_of(field).map(|_| keyword(field)),
         Named::Command(command) => Some(format!("python -m heliotile {}", command_of(command)?)),
     }
 }
 
-/// Returns Python's keyword for a field of a request: the name on the command line, with these
-/// exceptions.
-fn keyword(field: &str) -> &str {
-    match field {
-        "from" => "start",
-        "to" => "end",
-        "weather_stamp" => "stamp",
-        "set" => "settings",
-        "surface" => "surfaces",
-        "object" => "objects",
-        "no_ground" => "ground=False",
-        "no_scene" => "with_scene=False",
-        "io" => "access",
-        "rule" => "rules",
-        field => field,
-    }
+/// Returns Python's keyword for a field of a request.
+fn keyword(field: &str) -> String {
+    // Days bound more results than archives before a change.
+    let named = COMMANDS.iter().rev().filter(|command| field != "from" || command.aim == Aim::Ask);
+    let row = named.flat_map(|command| (command.rows)()).find(|row| row.name == field);
+    row.map_or_else(
+        || field.to_owned(),
+        |row| if row.is_off() { format!("{}=False", row.in_python()) } else { row.in_python().to_owned() },
+    )
 }
 
 fn exception(py: Python<'_>, error: &Error) -> PyResult<PyErr> {
@@ -106,10 +100,4 @@ fn exception(py: Python<'_>, error: &Error) -> PyResult<PyErr> {
         _ => {}
     }
     Ok(PyErr::from_value(made))
-}
-
-/// Returns a function for `map_err` that names the argument: `text.parse().map_err(wrong("sky",
-/// hint))`.
-pub fn wrong<E: std::fmt::Display>(argument: &'static str, hint: &'static str) -> impl FnOnce(E) -> Error {
-    move |what| Error::argument(argument, what.to_string(), hint)
 }

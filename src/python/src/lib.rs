@@ -6,19 +6,17 @@
 //! | `work` | long work | its result, without Python's lock, with progress and Ctrl-C |
 //! | `errors` | errors of the engine | exceptions of `heliotile.errors`, with the engine's text |
 //! | `memory` | numbers | views of them for NumPy and Arrow |
-//! | `asked` | arguments of `replay` and `query` | conditions, choices of light |
+//! | `asked` | keywords as texts | requests of the library |
 //! | `archive` | a file | receivers, results, factors |
 //! | `results` | tiles | columns, Arrow, pvlib's names |
 //! | `lazy` | an archive and conditions | rows of single receivers, computed tile by tile |
 //! | `atlas` | a folder of parts, arguments of the command line | parts; the program |
-//! | `studies` | requests as JSON | folders of results, archives |
-//! | `checks` | requests as JSON | problems of archives, and the cost of accuracy |
+//! | `studies` | requests | folders of results, archives, problems of archives |
 //! | `scene` | files, receivers | a scene; an archive |
 
 mod archive;
 mod asked;
 mod atlas;
-mod checks;
 mod errors;
 mod lazy;
 mod memory;
@@ -43,20 +41,6 @@ mod _heliotile {
     #[pymodule_export]
     use super::atlas::shown;
     #[pymodule_export]
-    use super::checks::audit;
-    #[pymodule_export]
-    use super::checks::export;
-    #[pymodule_export]
-    use super::checks::repair;
-    #[pymodule_export]
-    use super::checks::tradeoff;
-    #[pymodule_export]
-    use super::checks::update;
-    #[pymodule_export]
-    use super::checks::verify;
-    #[pymodule_export]
-    use super::checks::view;
-    #[pymodule_export]
     use super::lazy::LazyReplay;
     #[pymodule_export]
     use super::memory::Block;
@@ -67,6 +51,8 @@ mod _heliotile {
     #[pymodule_export]
     use super::scene::SceneHandle;
     #[pymodule_export]
+    use super::studies::audit;
+    #[pymodule_export]
     use super::studies::catalogue;
     #[pymodule_export]
     use super::studies::comfort;
@@ -75,13 +61,29 @@ mod _heliotile {
     #[pymodule_export]
     use super::studies::energyplus;
     #[pymodule_export]
+    use super::studies::export;
+    #[pymodule_export]
     use super::studies::merge;
     #[pymodule_export]
     use super::studies::partition;
     #[pymodule_export]
+    use super::studies::plan;
+    #[pymodule_export]
     use super::studies::pv;
     #[pymodule_export]
+    use super::studies::receivers;
+    #[pymodule_export]
+    use super::studies::repair;
+    #[pymodule_export]
     use super::studies::run;
+    #[pymodule_export]
+    use super::studies::tradeoff;
+    #[pymodule_export]
+    use super::studies::update;
+    #[pymodule_export]
+    use super::studies::verify;
+    #[pymodule_export]
+    use super::studies::view;
     #[pymodule_export]
     use super::work::tiles_computed;
     #[pymodule_export]

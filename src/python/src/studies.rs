@@ -1,160 +1,214 @@
-//! Work that writes files. In: requests as JSON, which `heliotile/studies.py` makes of keyword
-//! arguments. Out: files, and a summary. Each request is the type that the command line fills, too.
+//! Work that reads and writes files. In: requests. Out: files, and a summary: plain values, JSON, or
+//! text for people.
 
 use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
-use serde::Deserialize;
-use serde::de::DeserializeOwned;
-use serde_json::{Map, Value};
+use serde::Serialize;
 
-use crate::asked::Memory;
-use crate::work;
-use heliotile::archive::{open_archive, transfer};
-use heliotile::atlas::{CatalogueRequest, PartitionRequest};
-use heliotile::memory::SystemTemp;
-use heliotile::output::{guard_archive, guard_output};
-use heliotile::scene::input;
-use heliotile::tracing::Workspace;
-use heliotile::{
-    Access, ComfortRequest, ComfortSiteRequest, EnergyplusRequest, Error, Observer, Provenance, PvRequest,
-    ReplayRequest, Resources, Result, RunRequest, WeatherOptions,
+use crate::asked::Asked;
+use crate::errors::worded_text;
+use heliotile::archive::Problem;
+use heliotile::atlas::{PartitionRequest, VerifyRequest};
+use heliotile::cases::{
+    Audit, Catalogue, Comfort, Diff, Energyplus, Export, Merge, Plan, Pv, Receivers, Repair, Run, Tradeoff, Update,
+    View,
 };
+use heliotile::{Access, Error, PageRequest, Result, Scene, SceneRequest};
 
 /// Folder, archive, names of files, and a table as text.
 type Study = (PathBuf, PathBuf, Vec<String>, String);
 
-/// Reads a request from JSON.
-pub fn request<T: DeserializeOwned>(text: &str) -> Result<T> {
-    serde_json::from_str(text).map_err(|error| {
-        let what = error.to_string();
-        let what = what.rsplit_once(" at line").map_or(what.as_str(), |(what, _)| what);
-        Error::argument("arguments", what, "see the function's documentation")
-    })
+/// Block, offset in bytes and reason of a problem.
+type ProblemRow = (String, u64, String);
+
+/// Archive, number of its blocks, their bytes, bytes behind its end, problems, the reason why it is
+/// not the archive of its part, and all of this as text.
+type CheckedRow = (PathBuf, u64, u64, u64, Vec<ProblemRow>, Option<String>, String);
+
+/// New archive; counts of receivers kept, moved, gone and new; names of buried receivers; rays
+/// traced; and these as text.
+type UpdateRow = (PathBuf, [usize; 4], Vec<String>, u64, String);
+
+/// Returns a result as JSON.
+fn json(found: &impl Serialize) -> Result<String> {
+    serde_json::to_string(found).map_err(|error| Error::io(Path::new("the result"), "write")(error.into()))
 }
 
-/// Returns the provenance of results: the Python function and its arguments.
-pub fn about(function: &str, text: &str) -> Provenance {
-    let options: Map<String, Value> = serde_json::from_str(text).unwrap_or_default();
-    Provenance::new(format!("heliotile.{function}"), options)
-}
-
-/// Returns the resources for work: memory in bytes, scratch space, a reader of files, and an
-/// observer.
-pub fn resources<'a>(memory: Memory, observer: &'a dyn Observer) -> Resources<'a> {
-    Resources { memory: memory.0, storage: &SystemTemp, files: &input::read, observer }
+fn rows(problems: Vec<Problem>) -> Vec<ProblemRow> {
+    problems.into_iter().map(|problem| (problem.part, problem.offset, worded_text(&problem.reason))).collect()
 }
 
 /// Writes a year's results of scene files to a folder.
 #[pyfunction]
-pub fn run(py: Python<'_>, text: String, memory: Memory, progress: Option<Bound<'_, PyAny>>) -> PyResult<Study> {
-    work::run(py, progress.as_ref(), |watch| {
-        let done = request::<RunRequest>(&text)?.write(about("run", &text), &resources(memory, watch))?;
+pub fn run(py: Python<'_>, asked: Asked, progress: Option<Bound<'_, PyAny>>) -> PyResult<Study> {
+    asked.run::<Run, _>(py, &[], progress.as_ref(), |args, about, resources| {
+        let done = args.request.write(about, resources)?;
         Ok((done.folder, done.archive, done.files, done.table))
     })
 }
 
 /// Writes the irradiance on solar modules to a folder.
 #[pyfunction]
-pub fn pv(py: Python<'_>, text: String, memory: Memory, progress: Option<Bound<'_, PyAny>>) -> PyResult<Study> {
-    work::run(py, progress.as_ref(), |watch| {
-        let done = request::<PvRequest>(&text)?.write(about("pv", &text), &resources(memory, watch))?;
+pub fn pv(py: Python<'_>, asked: Asked, progress: Option<Bound<'_, PyAny>>) -> PyResult<Study> {
+    asked.run::<Pv, _>(py, &[], progress.as_ref(), |args, about, resources| {
+        let done = args.request.write(about, resources)?;
         Ok((done.folder, done.archive, done.files, done.table))
     })
 }
 
-/// Request for an archive with people, and the weather of its later replays.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct PeopleArgs {
-    site: ComfortSiteRequest,
-    weather: Option<PathBuf>,
-    #[serde(default)]
-    about_weather: WeatherOptions,
-}
-
-/// Builds the archive of a scene with people. Returns its path.
+/// Builds the archive of a scene with people, for later replays of the weather, if it is given.
+/// Returns its path.
 #[pyfunction]
-pub fn comfort(py: Python<'_>, text: &str, memory: Memory, progress: Option<Bound<'_, PyAny>>) -> PyResult<PathBuf> {
-    work::run(py, progress.as_ref(), |watch| {
-        let PeopleArgs { site, weather, about_weather } = request(text)?;
-        let asked = weather.map(|weather| {
-            let usual = ComfortRequest::of(weather);
-            ComfortRequest { replay: ReplayRequest { about_weather, ..usual.replay }, ..usual }
-        });
-        site.build(asked.as_ref(), &resources(memory, watch))
+pub fn comfort(py: Python<'_>, asked: Asked, progress: Option<Bound<'_, PyAny>>) -> PyResult<PathBuf> {
+    asked.run::<Comfort, _>(py, &["weather"], progress.as_ref(), |args, _, resources| {
+        let later = Some(args.request()).filter(|request| !request.replay.weather.as_os_str().is_empty());
+        args.archive(later.as_ref(), resources)
     })
 }
 
 /// Writes an EnergyPlus model with the sunlight that its surroundings reflect.
 #[pyfunction]
-pub fn energyplus(py: Python<'_>, text: String, memory: Memory, progress: Option<Bound<'_, PyAny>>) -> PyResult<()> {
-    work::run(py, progress.as_ref(), |watch| request::<EnergyplusRequest>(&text)?.write(&resources(memory, watch)))
+pub fn energyplus(py: Python<'_>, asked: Asked, progress: Option<Bound<'_, PyAny>>) -> PyResult<()> {
+    asked.run::<Energyplus, _>(py, &[], progress.as_ref(), |args, _, resources| args.request.write(resources))
 }
 
 /// Cuts a region into parts. Returns their number and a sentence on the error of the halo, if it
 /// was estimated.
 #[pyfunction]
-#[pyo3(signature = (text, atlas, replace, sample, memory, progress))]
 pub fn partition(
     py: Python<'_>,
-    text: &str,
-    atlas: PathBuf,
-    replace: bool,
-    sample: usize,
-    memory: Memory,
+    asked: Asked,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<(usize, Option<String>)> {
-    work::run(py, progress.as_ref(), |watch| {
-        let (cut, memory) = (request(text)?, memory.0);
-        let plan = heliotile::atlas::partition(&PartitionRequest { cut, atlas, replace, sample, memory }, watch)?;
+    asked.run::<PartitionRequest, _>(py, &[], progress.as_ref(), |request, _, resources| {
+        let plan = heliotile::atlas::partition(request, resources.observer)?;
         Ok((plan.parts.len(), plan.seams.map(|seams| seams.words())))
     })
 }
 
 /// Writes the catalogue of an atlas.
 #[pyfunction]
-pub fn catalogue(py: Python<'_>, atlas: PathBuf, title: Option<String>, license: String) -> PyResult<()> {
-    work::run(py, None, |watch| {
-        let about = Provenance::new("heliotile.Atlas.catalogue".to_owned(), Map::new());
-        heliotile::atlas::catalogue(&atlas, &CatalogueRequest { title, license }, about, watch)
+pub fn catalogue(py: Python<'_>, asked: Asked) -> PyResult<()> {
+    asked.run::<Catalogue, _>(py, &[], None, |args, about, resources| {
+        heliotile::atlas::catalogue(&args.atlas, &args.request, about, resources.observer)
     })
 }
 
 /// Writes the union of two archives of one scene.
 #[pyfunction]
-pub fn merge(
-    py: Python<'_>,
-    archives: [PathBuf; 2],
-    output: PathBuf,
-    memory: Memory,
-    progress: Option<Bound<'_, PyAny>>,
-) -> PyResult<()> {
-    work::run(py, progress.as_ref(), |watch| {
-        guard_output(&output, &archives.each_ref().map(PathBuf::as_path))?;
-        guard_archive(&output)?;
-        let [a, b] = archives.each_ref().map(|path| open_archive(path, Access::Read));
-        transfer::merge([&a?, &b?], &output, &workspace_of(&output, memory), watch).map(drop)
-    })
+pub fn merge(py: Python<'_>, asked: Asked, progress: Option<Bound<'_, PyAny>>) -> PyResult<()> {
+    asked.run::<Merge, _>(py, &[], progress.as_ref(), |args, _, resources| args.write(resources.observer).map(drop))
 }
 
 /// Compares two archives. Returns true if they are equal, and their differences as text.
 #[pyfunction]
-pub fn diff(py: Python<'_>, archives: [PathBuf; 2], memory: Memory) -> PyResult<(bool, String)> {
-    work::run(py, None, |_| {
-        let [a, b] = archives.each_ref().map(|path| open_archive(path, Access::Read));
-        let (a, b) = (a?, b?);
-        let found = transfer::diff(&a, &b, &workspace_of(Path::new("-"), memory))?;
-        Ok((found.is_equal(), found.table([a.path(), b.path()])))
+pub fn diff(py: Python<'_>, asked: Asked) -> PyResult<(bool, String)> {
+    asked.run::<Diff, _>(py, &[], None, |args, _, _| args.found())
+}
+
+/// Writes a table of receivers on surfaces or along lines. Returns a summary.
+#[pyfunction]
+pub fn receivers(py: Python<'_>, asked: Asked, progress: Option<Bound<'_, PyAny>>) -> PyResult<String> {
+    asked.run::<Receivers, _>(py, &[], progress.as_ref(), |args, _, resources| {
+        args.write(resources.observer).map(|text| worded_text(&text))
     })
 }
 
-/// Returns the folder and the memory for work on an archive; a folder for temporary files if
-/// `output` is `-`.
-pub fn workspace_of(output: &Path, memory: Memory) -> Workspace {
-    let folder = match output == Path::new("-") {
-        true => std::env::temp_dir(),
-        false => heliotile::output::folder_of(output).to_path_buf(),
-    };
-    Workspace { folder, memory: memory.0 }
+/// Forecasts a build. Returns the number of receivers, and the forecast as text.
+#[pyfunction]
+pub fn plan(py: Python<'_>, asked: Asked, progress: Option<Bound<'_, PyAny>>) -> PyResult<(usize, String)> {
+    asked.run::<Plan, _>(py, &[], progress.as_ref(), |args, _, resources| {
+        let scene = loaded(&args.scene, resources.observer)?;
+        let planned = args.forecast(&scene, asked.table(&args.receivers), resources.observer)?;
+        Ok((planned.receivers, planned.text))
+    })
+}
+
+/// Reads a scene and warns of doubts about its files.
+pub fn loaded(request: &SceneRequest, observer: &dyn heliotile::Observer) -> Result<Scene> {
+    let scene = Scene::load_site(&request.site()?)?;
+    scene.report.warnings.iter().for_each(|text| observer.warn(text));
+    Ok(scene)
+}
+
+/// Compares an archive with the reference path tracer. Returns the result as JSON and a table as
+/// text. Writes the table of pairs, pictures and a page to a folder, if one is given.
+#[pyfunction]
+pub fn audit(py: Python<'_>, asked: Asked, progress: Option<Bound<'_, PyAny>>) -> PyResult<(String, String)> {
+    asked.run::<Audit, _>(py, &[], progress.as_ref(), |args, about, resources| {
+        let report = args.request.run(resources)?;
+        if let Some(folder) = &args.output {
+            report.write(folder, about)?;
+        }
+        Ok((json(&report)?, report.text()))
+    })
+}
+
+/// Checks every block of an archive, or of all archives of an atlas.
+#[pyfunction]
+pub fn verify(py: Python<'_>, asked: Asked) -> PyResult<Vec<CheckedRow>> {
+    asked.run::<VerifyRequest, _>(py, &[], None, |request, _, _| {
+        let mut found = Vec::new();
+        request.each(|checked| {
+            let text = worded_text(&checked.text());
+            let (misplaced, report) = (checked.misplaced.map(|error| worded_text(&error.to_string())), checked.report);
+            let sizes = (report.blocks, report.stored_bytes, report.trailing_bytes);
+            found.push((checked.archive, sizes.0, sizes.1, sizes.2, rows(report.problems), misplaced, text));
+            Ok(())
+        })?;
+        Ok(found)
+    })
+}
+
+/// Repairs a damaged archive. Returns the archive, its problems, the number of rays traced, and
+/// these as text.
+#[pyfunction]
+pub fn repair(
+    py: Python<'_>,
+    asked: Asked,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<(PathBuf, Vec<ProblemRow>, u64, String)> {
+    asked.run::<Repair, _>(py, &[], progress.as_ref(), |args, _, resources| {
+        let done = args.request.write(resources)?;
+        let said = done.text();
+        Ok((done.archive, rows(done.problems), done.rays, said))
+    })
+}
+
+/// Edits the scene of an archive. Returns the new archive, what became of the receivers, the number
+/// of rays traced, and these as text.
+#[pyfunction]
+pub fn update(py: Python<'_>, asked: Asked, progress: Option<Bound<'_, PyAny>>) -> PyResult<UpdateRow> {
+    asked.run::<Update, _>(py, &[], progress.as_ref(), |args, _, resources| {
+        let done = args.request().write(resources)?;
+        let said = done.text();
+        Ok((done.archive, [done.kept, done.moved, done.gone, done.new], done.buried, done.report.rays.total(), said))
+    })
+}
+
+/// Tries settings on a site. Returns their cost and accuracy as JSON.
+#[pyfunction]
+pub fn tradeoff(py: Python<'_>, asked: Asked, progress: Option<Bound<'_, PyAny>>) -> PyResult<String> {
+    asked.run::<Tradeoff, _>(py, &[], progress.as_ref(), |args, about, resources| {
+        json(&args.request.write(about, resources, |_| Ok(()))?)
+    })
+}
+
+/// Writes the layers of a receiver, or the view factors of all receivers.
+#[pyfunction]
+pub fn export(py: Python<'_>, asked: Asked) -> PyResult<()> {
+    asked.run::<Export, _>(py, &[], None, |args, about, resources| args.request().write(about, resources))
+}
+
+/// Writes the web page that shows an archive.
+#[pyfunction]
+pub fn view(py: Python<'_>, asked: Asked, output: PathBuf, access: Option<&str>) -> PyResult<()> {
+    let access: Option<Access> = access
+        .map(|name| heliotile::names::by_name("access", name))
+        .transpose()
+        .map_err(|error| crate::errors::raised(py, error))?;
+    asked.run::<View, _>(py, &[], None, |args, _, resources| {
+        PageRequest { output, access: access.unwrap_or_default(), ..args.page.clone() }.write(resources)
+    })
 }

@@ -63,7 +63,7 @@ fn expand(input: &DeriveInput) -> Result<Tokens> {
                     heading: #heading, without: &[#(#without),*], defaults: &[#(#defaults),*], needs: &[#(#needs),*],
                 }));
             });
-            groups.push(quote!(groups.extend(<#ty as ::heliotile_requests::Request>::groups());));
+            groups.push(quote!(groups.extend(::heliotile_requests::groups_under::<#ty>(&[#(#without),*]));));
             let known = (!without.is_empty()).then(|| quote!(![#(#without),*].contains(&name) &&)).into_iter();
             fill.push(quote! {
                 if #(#known)* ::heliotile_requests::Request::fill(&mut self.#ident, name, texts)? { return Ok(true) }

@@ -32,7 +32,7 @@ const MOST_WIND_FACTOR: f64 = 3.0;
 pub struct ComfortRequest {
     /// Weather, hours that count, period of a row, temperatures of surfaces, changed reflectances.
     /// Columns in it are ignored.
-    #[field(flatten, without("columns", "bands", "patches", "bounces", "paths", "latitude", "longitude"))]
+    #[field(flatten, without("columns", "bands", "patches", "bounces", "paths"))]
     pub replay: ReplayRequest,
     /// Properties of people, surfaces and wind.
     #[field(flatten)]

@@ -55,7 +55,7 @@ pub struct FileRequest {
     /// mean of all receivers, weighted by area: bars by component of --every day, month or year (or
     /// of conditions), hours of the day by month of --every hour. May be repeated; a table is then
     /// written only if --output names one.
-    #[field(name = "plot", metavar = "FILE", output = File)]
+    #[field(name = "plot", python = "plots", metavar = "FILE", output = File)]
     pub plots: Vec<PathBuf>,
     /// City model (CityJSON or CityJSONSeq) on whose surfaces the receivers were placed: an
     /// --output that ends with .city.json or .city.jsonl is this model with the sums added, and

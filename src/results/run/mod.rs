@@ -78,11 +78,11 @@ pub struct RunRequest {
     #[field(metavar = "PERCENT", parse = parse_negligible)]
     pub negligible_percent: Option<f64>,
     /// Leave the scene's triangles out of the archive, if they may not be passed on.
-    #[field(negated = "no_scene")]
+    #[field(negated = "no_scene", python = "with_scene")]
     pub with_scene: bool,
     /// Archive of this scene before a change, a path or an address: only light that the change can
     /// alter is traced, with the same results as without this option.
-    #[field(metavar = "BEFORE.helio", input = Archive)]
+    #[field(python = "before", metavar = "BEFORE.helio", input = Archive)]
     pub from: Option<PathBuf>,
     /// Also write a table by hour, day, month, year or total, as `replay` does: months.csv and so
     /// on; several with commas.
@@ -90,7 +90,7 @@ pub struct RunRequest {
     pub every: Vec<Every>,
     /// Also check a rule of sunlight and write rules.csv: a name that `heliotile rules` lists, or a
     /// file with rules of your own (.toml); may be repeated.
-    #[field(name = "rule", metavar = "NAME|FILE")]
+    #[field(name = "rule", python = "rules", metavar = "NAME|FILE")]
     pub rules: Vec<String>,
     /// Grouping of rows in the tables of --every and --rule: what each row stands for.
     #[field(default = "receiver", requires("every", "rule"))]
@@ -107,7 +107,7 @@ pub struct RunRequest {
     pub format: String,
     /// Also write the annual sums as a map in this format, such as annual.glb beside annual.ply, or
     /// into the city model of the scene; may be repeated, or several with commas.
-    #[field(name = "map", metavar = "FORMAT", delimiter = ',', neutral)]
+    #[field(name = "map", python = "maps", metavar = "FORMAT", delimiter = ',', neutral)]
     pub maps: Vec<RunMap>,
     /// Replace results in the folder that are of another scene, spacing, accuracy or weather;
     /// without this option they are an error.

@@ -42,7 +42,7 @@ pub struct SunlightRequest {
     pub every: Every,
     /// Rule to check: a name that `heliotile rules` lists, or a file with rules of your own
     /// (.toml); may be repeated.
-    #[field(name = "rule", metavar = "NAME|FILE")]
+    #[field(name = "rule", python = "rules", metavar = "NAME|FILE")]
     pub rules: Vec<String>,
     /// Archive or atlas before a change: adds its results, the minutes that changed, and the rules
     /// that are newly broken.

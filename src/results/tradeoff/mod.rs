@@ -51,7 +51,7 @@ pub struct TradeoffRequest {
     #[field(short = 'w', input = Weather)]
     pub weather: Option<PathBuf>,
     /// Facts about the weather file that it does not state itself.
-    #[field(flatten, without("latitude", "longitude"), heading = "About the weather file")]
+    #[field(flatten, without("latitude", "longitude"), heading = "About the weather file", needs("weather"))]
     pub about_weather: WeatherOptions,
     /// Also try each setting alone, and write sources.csv and a picture (takes several times as
     /// long).

@@ -60,7 +60,7 @@ impl<'h> Header<'h> {
                 return Err(self.rows.error(what, "remove one of the two"));
             }
             found = Some(Found { place, name });
-            self.used[place] = true;
+            self.used.get_mut(place).into_iter().for_each(|used| *used = true);
         }
         Ok(found)
     }

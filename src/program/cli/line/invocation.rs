@@ -3,19 +3,21 @@
 
 use std::ffi::OsString;
 
-use clap::parser::ValueSource;
-use clap::{Arg, ArgAction, ArgMatches, Command};
-use serde_json::{Map, Number, Value};
-
 use super::shell_words::quoted;
-use crate::cli::{Case, command_line};
 use heliotile::Provenance;
+use heliotile::cases::{Command, Given, stated};
+use heliotile::requests::{Many, Row};
 use heliotile::text::without_secrets;
 
-/// Returns the provenance that files state, from the matches of a command line. Paths stay as they
-/// were typed.
-pub fn provenance(matches: &ArgMatches) -> Provenance {
-    of(&command_line(), matches)
+/// Returns the provenance that files state. Paths stay as they were typed.
+pub fn provenance(command: &Command, given: &Given) -> Provenance {
+    let rows = (command.rows)();
+    let mut words = vec!["heliotile".to_owned(), command.name.to_owned()];
+    for row in rows.iter().filter(|row| row.is_stated()) {
+        let texts = given.iter().find(|(name, _)| name == row.name).map(|(_, texts)| texts);
+        texts.into_iter().for_each(|texts| words.extend(typed_words(row, texts)));
+    }
+    Provenance::new(words.join(" "), stated(&rows, given))
 }
 
 /// Returns the command line that resumes stopped work: the same one, without `--fresh`, which would
@@ -25,63 +27,28 @@ pub fn again(words: &[OsString]) -> String {
     words.map(|word| quoted(&without_secrets(&word))).collect::<Vec<_>>().join(" ")
 }
 
-fn of(cli: &Command, matches: &ArgMatches) -> Provenance {
-    let (mut command, mut matches) = (cli, matches);
-    let mut words = vec![cli.get_name().to_string()];
-    while let Some((name, inside)) = matches.subcommand() {
-        let Some(found) = command.find_subcommand(name) else { break };
-        words.push(name.to_string());
-        (command, matches) = (found, inside);
+/// Returns a field as words of a command line.
+fn typed_words(row: &Row, texts: &[String]) -> Vec<String> {
+    let name = format!("--{}", row.name.replace('_', "-"));
+    let values = texts.iter().map(|text| quoted(&without_secrets(text)));
+    match (row.many, row.positional) {
+        (Many::Flag, _) => vec![name],
+        (_, true) => values.collect(),
+        _ => values.flat_map(|value| [name.clone(), value]).collect(),
     }
-    let case = words.get(1).and_then(|name| Case::of(name));
-    let mut options = Map::new();
-    for arg in command.get_arguments() {
-        let id = arg.get_id().as_str();
-        let is_stated = case.is_none_or(|case| case.states(id));
-        let (Ok(Some(raw)), true) = (matches.try_get_raw(id), is_stated) else { continue };
-        let values: Vec<String> = raw.map(|value| without_secrets(&value.to_string_lossy())).collect();
-        let is_flag = !arg.get_action().takes_values();
-        let typed = matches.value_source(id) == Some(ValueSource::CommandLine);
-        // A flag that was not typed is false, and is left out.
-        if is_flag && !typed {
-            continue;
-        }
-        if typed {
-            words.extend(typed_words(arg, &values, is_flag));
-        }
-        let value = match values.as_slice() {
-            _ if is_flag => Value::Bool(true),
-            [one] if !matches!(arg.get_action(), ArgAction::Append) => value_of(one),
-            all => all.iter().map(|one| value_of(one)).collect(),
-        };
-        options.insert(id.to_string(), value);
-    }
-    Provenance::new(words.join(" "), options)
-}
-
-/// Returns an argument as words of a command line.
-fn typed_words(arg: &Arg, values: &[String], is_flag: bool) -> Vec<String> {
-    let name = arg.get_long().map(|long| format!("--{long}"));
-    match name {
-        Some(name) if is_flag => vec![name],
-        Some(name) => values.iter().flat_map(|value| [name.clone(), quoted(value)]).collect(),
-        None => values.iter().map(|value| quoted(value)).collect(),
-    }
-}
-
-/// Returns a JSON number if the word is one, else a string.
-fn value_of(word: &str) -> Value {
-    word.parse::<Number>().map_or_else(|_| Value::from(word), Value::Number)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cli::{command_line, given};
+    use serde_json::Value;
 
     fn entries(line: &str) -> Vec<(String, String)> {
-        let cli = command_line();
-        let matches = cli.clone().try_get_matches_from(line.split('|')).expect("a command line");
-        of(&cli, &matches).entries()
+        let matches = command_line().try_get_matches_from(line.split('|')).expect("a command line");
+        let (name, inside) = matches.subcommand().expect("a command");
+        let command = Command::of(name).expect("a command");
+        provenance(command, &given(command, inside)).entries()
     }
 
     /// The recorded command leaves out the output, the memory and the way of reading, and has one

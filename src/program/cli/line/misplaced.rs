@@ -8,15 +8,20 @@ use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
 use clap::{ArgMatches, Command, FromArgMatches};
 
 use super::invocation::provenance;
-use crate::cli::{Asked, Case, Cli, EverywhereArgs, Other, command_line};
+use crate::cli::{Asked, Cli, EverywhereArgs, Other, command_line, given};
 use heliotile::Provenance;
+use heliotile::cases;
 
 /// Parses the words of a command line, the program's name first. Ends the program if they ask for
 /// help or are wrong.
 pub fn parse(words: &[OsString]) -> (Cli, Provenance) {
     let parsed = command_line().try_get_matches_from(words).and_then(|matches| {
         let cli = cli_of(&matches).map_err(|error| error.format(&mut command_line()))?;
-        Ok((cli, provenance(&matches)))
+        let about = match &cli.command {
+            Asked::Case(command, given) => provenance(command, given),
+            Asked::Other(_) => Provenance::default(),
+        };
+        Ok((cli, about))
     });
     parsed.unwrap_or_else(|mut error| {
         if let Some(hint) = command_first(&error, words).or_else(|| of_others(&error)) {
@@ -27,9 +32,9 @@ pub fn parse(words: &[OsString]) -> (Cli, Provenance) {
 }
 
 fn cli_of(matches: &ArgMatches) -> Result<Cli, Error> {
-    let case = matches.subcommand().and_then(|(name, inside)| Some((Case::of(name)?, inside)));
+    let case = matches.subcommand().and_then(|(name, inside)| Some((cases::Command::of(name)?, inside)));
     let command = match case {
-        Some((case, inside)) => Asked::Case(case, case.given(inside)),
+        Some((command, inside)) => Asked::Case(command, given(command, inside)),
         None => Asked::Other(Other::from_arg_matches(matches)?),
     };
     Ok(Cli { command, everywhere: EverywhereArgs::from_arg_matches(matches)? })
@@ -108,15 +113,15 @@ mod tests {
         }
     }
 
-    /// An option of other commands is named with them: `run`, `buildings` and `places` have no
-    /// --sky, `pv` has no --snow, 4 of 4; a misspelt option, which no command has, is left to clap.
+    /// An option of other commands is named with them: `run` has no --sky, `buildings`
+    /// no --columns, `pv` no --temperature, 4 of 4; a misspelt option, which no command has, is left to clap.
     #[test]
     fn options_of_other_commands_are_named() {
         let hint = |line: &str| of_others(&command_line().try_get_matches_from(line.split(' ')).err()?);
         for (line, part) in [
             ("heliotile run a.obj --weather w.epw --sky perez1990", "this command has no --sky; "),
-            ("heliotile buildings a.helio -w w.epw --sky=perez1990", "replay"),
-            ("heliotile places a.helio -w w.epw --sky perez1990", "pv"),
+            ("heliotile buildings a.helio -w w.epw --columns=total", "replay"),
+            ("heliotile run a.helio -w w.epw --sky perez1990", "pv"),
             ("heliotile pv a.obj --weather w.epw --temperature ground=5", "replay"),
         ] {
             assert!(hint(line).is_some_and(|hint| hint.contains(part)), "{line}: {:?}", hint(line));

@@ -5,10 +5,10 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use heliotile::archive::format;
-use heliotile::requests::InputKind;
-use heliotile::scene::format_of_name;
-use heliotile::{Error, Result};
+use heliotile_core::archive::format;
+use heliotile_core::error::{Error, Result};
+use heliotile_requests::InputKind;
+use heliotile_scene::format_of_name;
 
 /// Kind that a file certainly is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,28 +1,32 @@
-//! Checks before a command begins its work. In: a request. Out: a refusal if a file to read is
-//! not there or is of another kind, or a file to write has a wrong extension or no folder: at once,
-//! not after an hour.
+//! Checks before the work begins. In: a request. Out: a refusal if a file to read is not there or
+//! is of another kind, or a file to write has a wrong extension or no folder: at once, not after an
+//! hour.
 
 mod kind;
 
 use std::path::Path;
 
-use heliotile::archive::require_file;
-use heliotile::covering::check_name;
-use heliotile::output::{
-    ClaimedOutput, Format, OutputGuard, ResultFormat, check_archive_name, files_of, folder_of, is_city_model,
-};
-use heliotile::remote::{is_address, shown};
-use heliotile::requests::{InputKind, OutputKind, Request, Role};
-use heliotile::scene::input;
-use heliotile::{Error, Result};
+use heliotile_builder::writing::claim::{ClaimedOutput, OutputGuard};
+use heliotile_builder::writing::copy::folder_of;
+use heliotile_builder::writing::guards::check_archive_name;
+use heliotile_core::error::{Error, Result};
+use heliotile_remote::naming::{is_address, shown};
+use heliotile_remote::places::require_file;
+use heliotile_requests::{InputKind, OutputKind, Request, Role};
+use heliotile_results::covering::check_name;
+use heliotile_results::outputs::city_model::is_city_model;
+use heliotile_results::outputs::results::ResultFormat;
+use heliotile_results::outputs::tables::format::{Format, files_of};
+use heliotile_scene::input;
 
 /// Refuses a request whose files cannot work, and claims its outputs: until the guard is dropped,
-/// no other run writes them, and no file replaces an input. `geo`: Parquet is a map.
-pub fn check<R: Request>(request: &R, geo: bool) -> Result<OutputGuard> {
+/// no other run writes them, and no file replaces an input. `geo`: Parquet is a map; `in_memory`
+/// tells names that stand for tables in memory.
+pub fn ready<R: Request>(request: &R, geo: bool, in_memory: &dyn Fn(&Path) -> bool) -> Result<OutputGuard> {
     let (mut inputs, mut outputs) = (Vec::new(), Vec::new());
     let skipped = request.skips();
     request.files(&mut |name, role, path| match role {
-        _ if skipped.contains(&name) => {}
+        _ if skipped.contains(&name) || in_memory(path) => {}
         Role::Input(kind) => inputs.push((path.to_path_buf(), kind)),
         Role::Output(kind) => outputs.push((path.to_path_buf(), kind)),
         Role::Value | Role::Neutral => {}

@@ -1,0 +1,188 @@
+//! The commands: their names, what they do, and the fields of their requests. Every face lists them
+//! from here.
+
+use heliotile_atlas::VerifyRequest;
+use heliotile_atlas::partition::PartitionRequest;
+use heliotile_requests::{Group, Request, Row};
+
+use super::*;
+
+/// A command: a request that a user can make.
+#[derive(Clone, Copy, Debug)]
+pub struct Command {
+    /// Name of the command.
+    pub name: &'static str,
+    /// What it does.
+    pub about: &'static str,
+    /// What it is for.
+    pub aim: Aim,
+    /// Fields of its request.
+    pub rows: fn() -> Vec<Row>,
+    /// Fields that exclude or need each other.
+    pub groups: fn() -> Vec<Group>,
+}
+
+/// What commands are for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Aim {
+    /// From files to an archive or to results.
+    Start,
+    /// Light of an archive.
+    Ask,
+    /// What files hold, and how far it can be trusted.
+    Check,
+    /// Archives and pages for others.
+    Share,
+    /// Sites that are built in parts.
+    Large,
+}
+
+impl Aim {
+    /// Aims and their headings, in the order of lists.
+    pub const ALL: [(Aim, &'static str); 5] = [
+        (Aim::Start, "Start: from files of a site to results"),
+        (Aim::Ask, "Ask: light of a site that is traced"),
+        (Aim::Check, "Check: what files hold, and what accuracy costs"),
+        (Aim::Share, "Share: archives and pages for others"),
+        (Aim::Large, "Large sites: parts that are built one by one, caches of traces"),
+    ];
+}
+
+macro_rules! commands {
+    ($(($name:literal, $request:ty, $aim:ident, $about:literal)),+ $(,)?) => {
+        /// All commands, by aim.
+        pub const COMMANDS: &[Command] = &[$(Command {
+            name: $name,
+            about: $about,
+            aim: Aim::$aim,
+            rows: <$request as Request>::rows,
+            groups: <$request as Request>::groups,
+        }),+];
+    };
+}
+
+commands![
+    (
+        "run",
+        Run,
+        Start,
+        "Compute a year of solar irradiation from scene files with one command: receivers, archive, sums, map"
+    ),
+    (
+        "pv",
+        Pv,
+        Start,
+        "Compute hourly irradiance on both sides of solar modules, with shading losses, horizons and the best tilt and azimuth"
+    ),
+    (
+        "energyplus",
+        Energyplus,
+        Start,
+        "Add the sunlight that its surroundings reflect to an EnergyPlus model; an unmodified EnergyPlus then runs it with any weather"
+    ),
+    (
+        "receivers",
+        Receivers,
+        Start,
+        "Cover the surfaces of a scene with receivers: the points at which light is computed"
+    ),
+    ("build", Build, Start, "Trace once what every receiver of a scene sees, and store it in an archive"),
+    (
+        "plan",
+        Plan,
+        Start,
+        "Forecast the rays and seconds of a build, and the light that is lost if a light path is left out"
+    ),
+    (
+        "update",
+        Update,
+        Start,
+        "Edit the scene of an archive: add, remove, move, raise or repaint objects. Only light that the edits can alter is traced again"
+    ),
+    ("query", Query, Ask, "Compute the irradiance of every receiver under the suns and skies of a table"),
+    ("replay", Replay, Ask, "Compute the irradiance of every receiver through a weather file, by hour or as sums"),
+    (
+        "compare",
+        Compare,
+        Ask,
+        "Compare the light of a site before and after a change: both values, their difference, and a summary of the losses"
+    ),
+    (
+        "sunlight",
+        Sunlight,
+        Ask,
+        "Compute hours of possible sun on given days, and check rules for windows, facades and gardens"
+    ),
+    (
+        "glare",
+        Glare,
+        Ask,
+        "Find when mirrors and glass facades reflect the sun to receivers, and which pane does, and check rules on glare"
+    ),
+    (
+        "comfort",
+        Comfort,
+        Ask,
+        "Compute thermal comfort of people outdoors: mean radiant temperature, UTCI and PET at points of a site, by hour or over periods"
+    ),
+    (
+        "factors",
+        Factors,
+        Ask,
+        "Compute EnergyPlus's reflection factors: the light that surroundings reflect to receivers or surfaces, by position of the sun"
+    ),
+    (
+        "buildings",
+        Buildings,
+        Ask,
+        "Write a solar cadastre of buildings and roof faces: usable area, sums by orientation, best usable region"
+    ),
+    ("places", Places, Ask, "Find the best places for modules on roofs and facades, as points that `pv` reads"),
+    ("rules", Rules, Ask, "List the rules that `sunlight` and `glare` can check"),
+    ("info", Info, Check, "Describe an archive, an atlas or scene files"),
+    ("verify", VerifyRequest, Check, "Check every block of an archive; exit code 1 if one is damaged"),
+    (
+        "audit",
+        Audit,
+        Check,
+        "Check an archive against an independent reference path tracer for random receivers and hours; exit code 1 if the error is larger than the archive states"
+    ),
+    (
+        "tradeoff",
+        Tradeoff,
+        Check,
+        "Measure the time and error of each accuracy level on some receivers of a site, as tables, pictures and a page"
+    ),
+    ("diff", Diff, Check, "List the differences of two archives; exit code 1 if they differ"),
+    ("repair", Repair, Check, "Trace the damaged parts of an archive again"),
+    (
+        "view",
+        View,
+        Share,
+        "Show an archive in the browser of this machine: any sun, sky, weather and reflectance, live"
+    ),
+    (
+        "export",
+        Export,
+        Share,
+        "Export what a receiver sees as images, view factors of all receivers as a table, or a page that shows the archive"
+    ),
+    ("extract", Extract, Share, "Write some receivers of an archive into a new archive"),
+    ("merge", Merge, Share, "Write the union of two archives of one scene"),
+    ("copy", Copy, Share, "Copy an archive or an atlas to or from an object store, or from a web server"),
+    (
+        "partition",
+        PartitionRequest,
+        Large,
+        "Cut a region into parts (an atlas) that are built one by one, on any machines, and then queried like one archive"
+    ),
+    ("find", Find, Large, "List the parts of an atlas that touch a box"),
+    ("catalogue", Catalogue, Large, "Write a static STAC catalogue of the parts of an atlas, with pictures and a page"),
+];
+
+impl Command {
+    /// Returns the command of a name.
+    pub fn of(name: &str) -> Option<&'static Command> {
+        COMMANDS.iter().find(|command| command.name == name)
+    }
+}

@@ -1,0 +1,79 @@
+//! Requests from texts, as faces hand them over. In: names of fields with their texts. Out: a
+//! request whose files were checked, and what results state of it.
+
+use std::path::Path;
+
+use heliotile_builder::writing::claim::OutputGuard;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::text::without_secrets;
+use heliotile_requests::{Many, Request, Row, complete, filled};
+use serde_json::{Map, Number, Value};
+
+use super::ready::ready;
+
+/// Texts of the fields that a user filled, by name.
+pub type Given = Vec<(String, Vec<String>)>;
+
+/// A request whose files were checked. Its outputs are claimed until it is dropped.
+pub struct Prepared<R> {
+    /// Request.
+    pub request: R,
+    _claimed: OutputGuard,
+}
+
+/// Fills a request and checks it: ranges, fields that exclude each other, files that are not there
+/// or of another kind, and outputs that would replace an input or each other. `known` names fields
+/// that the face fills in another way, `in_memory` files that are none.
+pub fn prepared<R: Request + Default>(
+    given: &Given,
+    known: &[&str],
+    in_memory: &dyn Fn(&Path) -> bool,
+) -> Result<Prepared<R>> {
+    let rows = R::rows();
+    let names: Vec<&str> = given.iter().map(|(name, _)| name.as_str()).chain(known.iter().copied()).collect();
+    let request = filled::<R>(given).map_err(|(field, what)| wrong(&rows, &field, &what))?;
+    complete(&rows, &R::groups(), &names)
+        .map_err(|(field, what)| Error::argument(field, what, "give it another way"))?;
+    let claimed = ready(&request, names.contains(&"geo"), in_memory)?;
+    Ok(Prepared { request, _claimed: claimed })
+}
+
+/// Returns the error of a text that cannot be read. Advice is what follows a colon or begins with
+/// `give`.
+fn wrong(rows: &[Row], field: &str, what: &str) -> Error {
+    let choices = rows.iter().find(|row| row.name == field).map_or(Vec::new(), |row| (row.form.choices)());
+    if let Some((unknown, _)) = what.split_once("; known values: ").filter(|_| !choices.is_empty()) {
+        let names: Vec<&str> = choices.iter().map(|(name, _)| *name).collect();
+        return Error::argument(field, unknown, format!("give one of {}", names.join(", ")));
+    }
+    match what.split_once(": give ") {
+        Some((what, hint)) => Error::argument(field, what, format!("give {hint}")),
+        None if what.starts_with("give ") => Error::argument(field, "cannot be used", what),
+        None => Error::argument(field, what, "give another value"),
+    }
+}
+
+/// Returns the fields that change values with their texts, or with those of their defaults, for
+/// the provenance of results.
+pub fn stated(rows: &[Row], given: &Given) -> Map<String, Value> {
+    let texts = |row: &Row| given.iter().find(|(name, _)| name == row.name).map(|(_, texts)| texts.clone());
+    let value = |row: &Row| {
+        let typed = texts(row);
+        if row.many == Many::Flag {
+            return typed.map(|_| Value::Bool(true));
+        }
+        let all = typed.or_else(|| row.default.clone().map(|text| vec![text]))?;
+        let all: Vec<Value> = all.iter().map(|text| value_of(&without_secrets(text))).collect();
+        match row.many {
+            Many::List => Some(Value::Array(all)),
+            _ => all.into_iter().last(),
+        }
+    };
+    let stated = rows.iter().filter(|row| row.is_stated());
+    stated.filter_map(|row| Some((row.name.to_owned(), value(row)?))).collect()
+}
+
+/// Returns a JSON number if the text is one, else a string.
+fn value_of(text: &str) -> Value {
+    text.parse::<Number>().map_or_else(|_| Value::from(text), Value::Number)
+}

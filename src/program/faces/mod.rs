@@ -1,0 +1,63 @@
+//! Generated files of the other faces, compared with the committed ones. With
+//! `HELIOTILE_WRITE_FACES=1`, as `tools/faces` calls it, they are written.
+
+mod book;
+mod python;
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::{env, fs};
+
+use heliotile::requests::Row;
+
+/// First line of a generated file.
+const MADE: &str = "Made by tools/faces from the requests. Do not edit.";
+
+/// Returns the help of a field, with the names that `named` gives to options in it.
+fn help(row: &Row, named: &dyn Fn(&str) -> String) -> String {
+    let mut text = String::new();
+    let mut rest = row.help.as_str();
+    while let Some(at) = rest.find("--") {
+        let (before, option) = rest.split_at(at);
+        let end = option[2..].find(|c: char| !(c.is_ascii_lowercase() || c == '-')).map_or(option.len(), |end| end + 2);
+        let name = option[2..end].trim_end_matches('-');
+        text += before;
+        if name.is_empty() {
+            text += &option[..end];
+        } else {
+            text += &named(name);
+            text += &option[2 + name.len()..end];
+        }
+        rest = &option[end..];
+    }
+    text += rest;
+    let ends = text.ends_with(['.', ']']);
+    match &row.default {
+        Some(default) => format!("{text}{} Default: `{default}`.", if ends { "" } else { "." }),
+        None if ends => text,
+        None => text + ".",
+    }
+}
+
+/// Committed files that differ from the generated ones: none, 34 files. They are written where
+/// `HELIOTILE_WRITE_FACES` is set.
+#[test]
+fn generated_files_are_those_of_the_requests() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let mut files: BTreeMap<PathBuf, String> = book::pages();
+    files.insert("src/python/heliotile/options.py".into(), python::options());
+    let differ: Vec<PathBuf> = files
+        .iter()
+        .filter(|(path, text)| fs::read_to_string(root.join(path)).ok().as_ref() != Some(*text))
+        .map(|(path, _)| path.clone())
+        .collect();
+    if env::var_os("HELIOTILE_WRITE_FACES").is_some() {
+        for path in &differ {
+            let to = root.join(path);
+            to.parent().map_or(Ok(()), fs::create_dir_all).expect("a folder");
+            fs::write(to, &files[path]).expect("a file");
+        }
+        return;
+    }
+    assert!(differ.is_empty(), "not as the requests say: {differ:?}; to fix: tools/faces");
+}
