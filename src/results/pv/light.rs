@@ -19,7 +19,6 @@ use heliotile_core::archive::Archive;
 use heliotile_core::error::Result;
 use heliotile_core::observer::{Observer, Silent};
 use heliotile_core::replay::components::{Component, ComponentSet};
-use heliotile_core::replay::reflectances::Changes;
 use heliotile_core::site::bands::Band;
 use heliotile_core::weather::dated::DatedRows;
 use heliotile_core::weather::options::StampedAt;
@@ -39,9 +38,10 @@ pub struct Light<'a> {
 
 /// Returns the replay of a study.
 fn replay_of(request: &PvRequest) -> ReplayRequest {
-    let changes = Changes { snow: request.snow.map(|snow| (snow, request.snow_reflectance)), ..Changes::default() };
-    let light = LightChoice { sky: SkyChoice::Model(request.sky), changes, ..LightChoice::default() };
-    ReplayRequest { light, year: request.year, stamp: request.stamp, ..ReplayRequest::of(&request.weather) }
+    let light = LightChoice { sky: SkyChoice::Model(request.sky), ..LightChoice::default() };
+    let PvRequest { weather, year, stamp, snow, snow_reflectance, .. } = request;
+    let (year, stamp, snow, snow_reflectance) = (*year, *stamp, *snow, *snow_reflectance);
+    ReplayRequest { light, year, stamp, snow, snow_reflectance, ..ReplayRequest::of(weather) }
 }
 
 /// Returns the rows of weather that count; warns of days that a year does not have.
