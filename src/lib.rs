@@ -95,8 +95,8 @@ pub use heliotile_results::{
     FileRequest, FolderOption, GlareChoice, Illumination, LightChoice, PageRequest, PartReceivers, PlaceOn,
     PlacesRequest, Posture, Provenance, QueryRequest, ReceiverChoice, ReceiverSource, RepairRequest, ReplayRequest,
     Resources, RunDone, RunMap, RunRequest, SideHours, SiteArchiveRequest, SiteBuild, SiteFolder, SkyChoice, SkyFiles,
-    SunOnPerson, SunlightRequest, SurfaceTemperatures, Tile, TileSink, TradeoffRequest, UpdateRequest, Verdict,
-    WindChoice, shipped_rules,
+    SunOnPerson, SunlightDone, SunlightRequest, SurfaceTemperatures, Tile, TileSink, TradeoffRequest, UpdateRequest,
+    Verdict, WindChoice, shipped_rules,
 };
 pub use heliotile_scene::edit::{ObjectHeight, ObjectMaterial, ObjectMove, SceneEdits};
 pub use heliotile_scene::footprint_options::{FootprintOptions, HeightAbove, HeightSource};

@@ -26,7 +26,7 @@ use super::SelectionRequest;
 /// Request of `audit`.
 #[derive(Clone, Debug, Default, Request)]
 pub struct Audit {
-    /// What is checked.
+    /// Archive, scene and hours.
     #[field(flatten)]
     pub request: AuditRequest,
     /// Folder to write audit.csv, pictures and index.html into.
@@ -40,7 +40,7 @@ pub struct Audit {
 /// Request of `repair`.
 #[derive(Clone, Debug, Default, Request)]
 pub struct Repair {
-    /// What is repaired.
+    /// Archive and scene.
     #[field(flatten)]
     pub request: RepairRequest,
     /// Memory to work in, such as 512MiB or 2GiB.
@@ -54,7 +54,7 @@ pub struct Catalogue {
     /// Folder of the atlas.
     #[field(positional, required, input = Any)]
     pub atlas: PathBuf,
-    /// What the catalogue states.
+    /// Title and licence.
     #[field(flatten)]
     pub request: CatalogueRequest,
 }
@@ -172,7 +172,7 @@ pub struct Copy {
 /// Request of `view`.
 #[derive(Clone, Debug, Default, Request)]
 pub struct View {
-    /// What the page shows.
+    /// Archives and weather of the page.
     #[field(flatten)]
     pub page: PageRequest,
     /// Port of the page's address [default: 8017, or any free port if it is taken].
@@ -184,7 +184,7 @@ pub struct View {
 #[derive(Clone, Debug, Default, Request)]
 #[request(exactly_one("receiver", "view_factors", "html"), any_of("output", "html"))]
 pub struct Export {
-    /// What is exported.
+    /// Archive, receiver and light.
     #[field(flatten)]
     pub request: ExportRequest,
     /// .

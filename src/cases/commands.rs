@@ -3,6 +3,7 @@
 
 use heliotile_atlas::VerifyRequest;
 use heliotile_atlas::partition::PartitionRequest;
+use heliotile_core::error::Result;
 use heliotile_requests::{Group, Request, Row};
 
 use super::*;
@@ -12,24 +13,26 @@ use super::*;
 pub struct Command {
     /// Name of the command.
     pub name: &'static str,
-    /// What it does.
+    /// Its purpose in a sentence.
     pub about: &'static str,
-    /// What it is for.
+    /// Group of commands that it belongs to.
     pub aim: Aim,
     /// Fields of its request.
     pub rows: fn() -> Vec<Row>,
     /// Fields that exclude or need each other.
     pub groups: fn() -> Vec<Group>,
+    /// Fills and checks its request, without running it.
+    pub check: fn(&Given) -> Result<()>,
 }
 
-/// What commands are for.
+/// Groups of commands by purpose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Aim {
     /// From files to an archive or to results.
     Start,
     /// Light of an archive.
     Ask,
-    /// What files hold, and how far it can be trusted.
+    /// Contents of files, and how far they can be trusted.
     Check,
     /// Archives and pages for others.
     Share,
@@ -57,6 +60,7 @@ macro_rules! commands {
             aim: Aim::$aim,
             rows: <$request as Request>::rows,
             groups: <$request as Request>::groups,
+            check: |given| prepared::<$request>(given, &[], &|_| false).map(drop),
         }),+];
     };
 }

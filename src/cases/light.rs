@@ -158,7 +158,7 @@ pub struct Buildings {
     /// Archive that is asked.
     #[field(flatten)]
     pub site: SiteRequest,
-    /// What counts, and the tables to write.
+    /// Limits of what counts, and the tables to write.
     #[field(flatten)]
     pub request: BuildingsRequest,
     /// Weather of a year, and the light that counts.
@@ -172,7 +172,7 @@ pub struct Places {
     /// Archive that is asked.
     #[field(flatten)]
     pub site: SiteRequest,
-    /// What counts, and the table to write.
+    /// Modules and surfaces, and the table to write.
     #[field(flatten)]
     pub request: PlacesRequest,
     /// Weather of a year, and the light that counts.
@@ -216,7 +216,7 @@ pub struct PeopleOfSite {
 #[derive(Clone, Debug, Default, Request)]
 pub struct Rules {
     /// Rule whose file is printed, to be copied and changed [default: list all rules].
-    #[field(positional, required)]
+    #[field(positional)]
     pub name: Option<String>,
 }
 
@@ -341,8 +341,8 @@ impl Comfort {
         ComfortSiteRequest { folder, accuracy, ..people.clone() }
     }
 
-    /// Returns the archive of people: the one that is named, or that of the scene, which is built if
-    /// it is not there. `request` is the later replay, whose faults are found before any ray is
+    /// Returns the archive of people: the one that is named, or that of the scene, which is built
+    /// if it is not there. `request` is the later replay, whose faults are found before any ray is
     /// traced.
     pub fn archive(&self, request: Option<&ComfortRequest>, resources: &Resources) -> Result<PathBuf> {
         let people = &self.people;

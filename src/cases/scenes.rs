@@ -26,7 +26,7 @@ use heliotile_scene::request::SceneRequest;
 /// Request of `run`.
 #[derive(Clone, Debug, Default, Request)]
 pub struct Run {
-    /// What is computed.
+    /// Scene, accuracy and results.
     #[field(flatten)]
     pub request: RunRequest,
     /// Memory to work in, such as 512MiB or 2GiB.
@@ -37,7 +37,7 @@ pub struct Run {
 /// Request of `energyplus`.
 #[derive(Clone, Debug, Default, Request)]
 pub struct Energyplus {
-    /// What is computed.
+    /// Scene, accuracy and results.
     #[field(flatten)]
     pub request: EnergyplusRequest,
     /// Memory to work in, such as 512MiB or 2GiB.
@@ -48,7 +48,7 @@ pub struct Energyplus {
 /// Request of `pv`.
 #[derive(Clone, Debug, Default, Request)]
 pub struct Pv {
-    /// What is computed.
+    /// Scene, accuracy and results.
     #[field(flatten)]
     pub request: PvRequest,
     /// Memory to work in, such as 512MiB or 2GiB.
@@ -59,7 +59,7 @@ pub struct Pv {
 /// Request of `tradeoff`.
 #[derive(Clone, Debug, Default, Request)]
 pub struct Tradeoff {
-    /// What is measured.
+    /// Scene, receivers and sample.
     #[field(flatten)]
     pub request: TradeoffRequest,
     /// Memory to work in, such as 512MiB or 2GiB.

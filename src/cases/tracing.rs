@@ -48,7 +48,7 @@ impl Build {
     fn unnamed(&self) -> Error {
         match self.scene.files.as_slice() {
             [only] if only.join(FILE).is_file() => {
-                let hint = "give --part all, or the name or number of a part; the atlas states its inputs";
+                let hint = "give {part} all, or the name or number of a part; the atlas states its inputs";
                 let what = format!("{} is an atlas, and the part to build is not given", only.display());
                 Error::argument("part", what, hint)
             }

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 pub use heliotile_requests_derive::Request;
 
-/// What a user asks for: a struct with defaults, whose fields faces fill.
+/// Request of a user: a struct with defaults, whose fields faces fill.
 pub trait Request {
     /// Returns the fields, those of flattened structs among them.
     fn rows() -> Vec<Row>;
@@ -52,11 +52,11 @@ pub struct Row {
     pub short: Option<char>,
     /// Placeholder of the value, if it is not the name in capital letters.
     pub metavar: Option<&'static str>,
-    /// What the field does.
+    /// Explanation of the field.
     pub help: String,
     /// Heading above the field and its neighbours.
     pub heading: Option<&'static str>,
-    /// What the field does to results and files.
+    /// Effect of the field on results and files.
     pub role: Role,
     /// How values look.
     pub form: Form,
@@ -102,7 +102,7 @@ impl Row {
     }
 }
 
-/// What a field does to results and files.
+/// Effect of a field on results and files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
     /// Changes values: part of the provenance.
@@ -169,13 +169,13 @@ pub enum Many {
 /// Fields that exclude or need each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Group {
-    /// What holds for them.
+    /// Rule for them.
     pub kind: GroupKind,
     /// Their names.
     pub names: &'static [&'static str],
 }
 
-/// What holds for a group of fields.
+/// Rule for a group of fields.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GroupKind {
     /// One of them must be filled, and no other.

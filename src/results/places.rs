@@ -171,7 +171,7 @@ heliotile_core::parse_by_name!(PlaceOn);
 
 /// Returns the help of the output.
 fn output_help() -> String {
-    table_help("Table of places to write; as CSV, `pv --points` reads it")
+    table_help("Table of places to write; as CSV, {points} of `pv` reads it")
 }
 
 /// Reads the width and height of a module in metres, `1.1x1.8`.

@@ -61,26 +61,26 @@ fn name(wanted: InputKind) -> &'static str {
 fn advice(wanted: InputKind, kind: Kind, file: &str) -> String {
     match (wanted, kind) {
         (InputKind::Weather, Kind::Scene(_)) => {
-            format!("give scene files without an option: heliotile run {file} --weather WEATHER.epw")
+            format!("give scene files by themselves: {{command:run}} {file} --weather WEATHER.epw")
         }
         (_, Kind::Archive) => {
-            format!("replay the archive without tracing: heliotile replay {file} --weather WEATHER.epw")
+            format!("replay the archive without tracing: {{command:replay}} {file} --weather WEATHER.epw")
         }
         (InputKind::Archive, Kind::Scene(_)) => {
-            format!("trace the scene to an archive first: heliotile run {file} --weather WEATHER.epw")
+            format!("trace the scene to an archive first: {{command:run}} {file} --weather WEATHER.epw")
         }
-        (InputKind::Conditions, Kind::Weather(_)) => format!("heliotile replay SITE.helio --weather {file}"),
+        (InputKind::Conditions, Kind::Weather(_)) => format!("{{command:replay}} SITE.helio --weather {file}"),
         (InputKind::SceneOrArchive, Kind::Weather(_)) => {
-            format!("describe weather by: heliotile info --weather {file}")
+            format!("describe weather by: {{command:info}} --weather {file}")
         }
-        (_, Kind::Weather(_)) => format!("give weather with its option: --weather {file}"),
-        (_, Kind::Receivers) => format!("give receivers with their option: --receivers {file}"),
-        (_, Kind::Conditions) => format!("heliotile query SITE.helio --conditions {file}"),
+        (_, Kind::Weather(_)) => format!("give weather with its name: {{weather}} {file}"),
+        (_, Kind::Receivers) => format!("give receivers with their name: {{receivers}} {file}"),
+        (_, Kind::Conditions) => format!("{{command:query}} SITE.helio --conditions {file}"),
         (InputKind::Receivers, Kind::Scene(_)) => {
-            format!("make receivers for the scene: heliotile receivers {file} -o receivers.csv")
+            format!("make receivers for the scene: {{command:receivers}} {file} -o receivers.csv")
         }
         (_, Kind::Scene(_)) => {
-            format!("give scene files without an option: heliotile run {file} --weather WEATHER.epw")
+            format!("give scene files by themselves: {{command:run}} {file} --weather WEATHER.epw")
         }
         (_, Kind::Results) => "this table holds results of heliotile: give the inputs that they were made from".into(),
     }

@@ -3,6 +3,8 @@
 //! hour.
 
 mod kind;
+#[cfg(test)]
+mod pairs_tests;
 
 use std::path::Path;
 
@@ -73,7 +75,7 @@ fn check_output(path: &Path, written: OutputKind, geo: bool) -> Result<()> {
         return Ok(());
     }
     if is_address(path) {
-        let hint = format!("write a file, and then: heliotile copy FILE {}", shown(path).display());
+        let hint = format!("write a file, and then: {{command:copy}} FILE {}", shown(path).display());
         return Err(Error::input(&shown(path), None, "is an address, and only `copy` writes to addresses", hint));
     }
     match written {
@@ -91,7 +93,7 @@ fn check_output(path: &Path, written: OutputKind, geo: bool) -> Result<()> {
                 path,
                 None,
                 what,
-                format!("give a folder: -o {}", path.with_extension("").display()),
+                format!("give a folder: {}", path.with_extension("").display()),
             ));
         }
         OutputKind::Folder(_) | OutputKind::SharedFolder if path.exists() && !path.is_dir() => {

@@ -5,59 +5,9 @@ use clap::builder::{PossibleValue, PossibleValuesParser, ValueParser};
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgGroup, ArgMatches, Command};
 
-use crate::commands::{
-    Outcome, atlas, audit, build, comfort, copy, energyplus, export, inspect, pv, receivers, repair, replay, run,
-    start, sunlight, tradeoff, transfer, update, view,
-};
-use heliotile::atlas::{PartitionRequest, VerifyRequest};
-use heliotile::cases::{self, *};
+use heliotile::cases::{self, Given};
 use heliotile::requests::{GroupKind, Many, Row};
-use heliotile::{Provenance, Result};
-
-/// Fills the request of a command and runs it.
-type Start = fn(&Given, Provenance) -> Result<Outcome>;
-
-macro_rules! runs {
-    ($(($name:literal, $request:ty, $run:path)),+ $(,)?) => {
-        /// How each command starts.
-        const RUNS: &[(&str, Start)] =
-            &[$(($name, |given, about| start::<$request>(given, about, $run))),+];
-    };
-}
-
-runs![
-    ("run", Run, run::run),
-    ("pv", Pv, pv::run),
-    ("energyplus", Energyplus, energyplus::run),
-    ("receivers", Receivers, receivers::run),
-    ("build", Build, build::run),
-    ("plan", Plan, build::plan),
-    ("update", Update, update::run),
-    ("query", Query, replay::query),
-    ("replay", Replay, replay::replay),
-    ("compare", Compare, replay::compare),
-    ("sunlight", Sunlight, sunlight::run),
-    ("glare", Glare, sunlight::glare),
-    ("comfort", Comfort, comfort::run),
-    ("factors", Factors, replay::factors),
-    ("buildings", Buildings, replay::buildings),
-    ("places", Places, replay::places),
-    ("rules", Rules, sunlight::rules),
-    ("info", Info, inspect::info),
-    ("verify", VerifyRequest, inspect::verify),
-    ("audit", Audit, audit::run),
-    ("tradeoff", Tradeoff, tradeoff::run),
-    ("diff", Diff, transfer::diff),
-    ("repair", Repair, repair::run),
-    ("view", View, view::run),
-    ("export", Export, export::run),
-    ("extract", Extract, transfer::extract),
-    ("merge", Merge, transfer::merge),
-    ("copy", Copy, copy::run),
-    ("partition", PartitionRequest, atlas::partition),
-    ("find", Find, atlas::find),
-    ("catalogue", Catalogue, atlas::catalogue),
-];
+use heliotile::text::{Named, with_fields};
 
 /// Text at the end of the help of some commands.
 const MORE: [(&str, &str); 3] = [
@@ -94,12 +44,6 @@ A .png shows the upper hemisphere, equidistant (fisheye), zenith in the middle, 
 --sun it has six pictures as a camera on the surface sees them: what is seen, then radiances of the sky, of sunlit surfaces, of sun and sky in
 mirrors and of skylit surfaces, and their sum, on one logarithmic scale; the irradiance of each, in W/m2, stands above it."),
 ];
-
-/// Runs a command.
-pub fn carry_out(command: &cases::Command, given: &Given, about: Provenance) -> Result<Outcome> {
-    let start = RUNS.iter().find(|(name, _)| *name == command.name).map(|(_, start)| start);
-    start.map_or(Ok(Outcome::Fine), |start| start(given, about))
-}
 
 /// Returns a command as clap parses it.
 pub fn parsed(of: &cases::Command) -> Command {
@@ -147,8 +91,16 @@ pub fn given(of: &cases::Command, matches: &ArgMatches) -> Given {
     (of.rows)().iter().filter(|row| typed(row)).map(|row| (row.name.to_owned(), texts(row))).collect()
 }
 
+/// Returns a field as an option.
+fn as_option(named: Named) -> Option<String> {
+    match named {
+        Named::Field(field) => Some(format!("--{}", field.replace('_', "-"))),
+        Named::Command(_) => None,
+    }
+}
+
 fn arg_of(row: &Row) -> Arg {
-    let mut arg = Arg::new(row.name).help(row.help.clone()).help_heading(row.heading);
+    let mut arg = Arg::new(row.name).help(with_fields(&row.help, &as_option)).help_heading(row.heading);
     if !row.positional {
         arg = arg.long(row.name.replace('_', "-"));
     }
@@ -186,17 +138,5 @@ fn arg_of(row: &Row) -> Arg {
     match &row.default {
         Some(default) => arg.default_value(default.clone()),
         None => arg,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Each command of the library starts, and has no other start.
-    #[test]
-    fn every_command_starts() {
-        let names: Vec<&str> = cases::COMMANDS.iter().map(|command| command.name).collect();
-        assert_eq!(names, RUNS.iter().map(|(name, _)| *name).collect::<Vec<_>>());
     }
 }

@@ -15,7 +15,7 @@ mod study;
 use clap::{Args, Command, Subcommand};
 use heliotile::cases::{self, Given};
 
-pub use self::commands::{carry_out, given};
+pub use self::commands::given;
 pub use self::line::{
     CompletionsArgs, EverywhereArgs, ManArgs, again, command_of, option_of, parse, quoted, worded, worded_text,
 };
@@ -48,7 +48,7 @@ pub enum Other {
     Man(ManArgs),
 }
 
-/// What the program does, at the top of its help.
+/// Purpose of the program, at the top of its help.
 const ABOUT: &str = "How much sun does every point of a building, a solar module or a street get, hour by hour? heliotile traces a site once, \
 with its neighbours, terrain, trees and mirrors, and replays any weather from the archive.
 

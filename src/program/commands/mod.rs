@@ -25,6 +25,7 @@ pub mod replay;
 pub mod run;
 mod scene;
 mod shells;
+mod starts;
 pub mod store;
 pub mod study;
 pub mod sunlight;
@@ -36,7 +37,7 @@ mod weather;
 
 use std::path::{Path, PathBuf};
 
-use crate::cli::{self, Asked, Cli, EverywhereArgs, Other, StudyArgs, StudyCommand};
+use crate::cli::{Asked, Cli, EverywhereArgs, Other, StudyArgs, StudyCommand};
 use console::terminal::Terminal;
 use console::voice::{self, Volume, remark, say, warn};
 use heliotile::cases::{Given, claim_folder, prepared};
@@ -61,7 +62,7 @@ pub enum Outcome {
 pub fn run(Cli { command, everywhere }: &Cli, about: Provenance) -> Result<Outcome> {
     set_up(everywhere)?;
     let outcome = match command {
-        Asked::Case(command, given) => cli::carry_out(command, given, about),
+        Asked::Case(command, given) => starts::carry_out(command, given, about),
         Asked::Other(other) => run_other(other),
     };
     if let Some(traffic) = heliotile::remote::traffic().filter(|_| everywhere.verbose) {

@@ -6,31 +6,29 @@ use std::fmt::Write;
 use super::replay::with_resources;
 use super::{Outcome, say};
 use crate::commands::console::voice::remark_aside;
-use heliotile::cases::{Glare, Rules, SelectionRequest, SiteRequest, Sunlight};
-use heliotile::{Error, FileRequest, Provenance, Result, SunlightRequest, shipped_rules};
+use heliotile::cases::{Glare, Rules, Sunlight};
+use heliotile::{Error, Provenance, Result, SunlightDone, shipped_rules};
 
 /// `heliotile sunlight`.
 pub fn run(args: &Sunlight, about: Provenance) -> Result<Outcome> {
-    write((&args.site, &args.receivers), &args.request, &args.files, about)
+    let done = with_resources(&args.site, |resources| {
+        args.site.open(&args.receivers, about, resources.observer)?.sunlight(&args.request, &args.files, resources)
+    })?;
+    Ok(tell(&done))
 }
 
 /// `heliotile glare`.
 pub fn glare(args: &Glare, about: Provenance) -> Result<Outcome> {
-    write((&args.site, &args.receivers), &args.request(), &args.files, about)
+    let done = with_resources(&args.site, |resources| {
+        args.site.open(&args.receivers, about, resources.observer)?.sunlight(&args.request(), &args.files, resources)
+    })?;
+    Ok(tell(&done))
 }
 
-fn write(
-    (site, receivers): (&SiteRequest, &SelectionRequest),
-    request: &SunlightRequest,
-    files: &FileRequest,
-    about: Provenance,
-) -> Result<Outcome> {
-    let done = with_resources(site, |resources| {
-        site.open(receivers, about, resources.observer)?.sunlight(request, files, resources)
-    })?;
+fn tell(done: &SunlightDone) -> Outcome {
     // Standard output may hold the table, so the remark goes to standard error.
     remark_aside(&done.text());
-    Ok(Outcome::Fine)
+    Outcome::Fine
 }
 
 /// `heliotile rules`.

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use std::{env, fs};
 
 use heliotile::requests::Row;
+use heliotile::text::{Named, with_fields};
 
 /// First line of a generated file.
 const MADE: &str = "Made by tools/faces from the requests. Do not edit.";
@@ -16,7 +17,9 @@ const MADE: &str = "Made by tools/faces from the requests. Do not edit.";
 /// Returns the help of a field, with the names that `named` gives to options in it.
 fn help(row: &Row, named: &dyn Fn(&str) -> String) -> String {
     let mut text = String::new();
-    let mut rest = row.help.as_str();
+    let of_field = |field: Named| if let Named::Field(field) = field { Some(format!("--{field}")) } else { None };
+    let fields = with_fields(&row.help, &of_field);
+    let mut rest = fields.as_str();
     while let Some(at) = rest.find("--") {
         let (before, option) = rest.split_at(at);
         let end = option[2..].find(|c: char| !(c.is_ascii_lowercase() || c == '-')).map_or(option.len(), |end| end + 2);

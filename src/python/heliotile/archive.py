@@ -12,7 +12,6 @@ from .askable import Askable
 from .errors import InputError, wrong
 from .given import WantedArgs, asked, file_only, wanted_args
 from .options import AuditOptions, ExportOptions, ExtractOptions, UpdateOptions, ViewOptions, Wanted
-from .weather import Weather
 
 if TYPE_CHECKING:
     from .checks import AuditReport, CheckedArchive, UpdateDone
@@ -126,8 +125,7 @@ class Archive(Askable):
         W/m2. Values include its light, a picture marks its position, and `panel` makes six pictures
         of its light paths. The options are those of `heliotile.options.ExportOptions`.
         """
-        if options.get("weather") is not None:
-            file_only(Weather.of(options["weather"]))
+        file_only(options.get("weather"))
         keywords = asked("Archive.export", ExportOptions, options, archive=self.path, output=output, access=self.access, receiver=receiver)
         _heliotile.export(keywords.add(view_factors=receiver is None).args())
 
@@ -140,8 +138,7 @@ class Archive(Askable):
         after a change: the page then shows before, after and the change.
         """
         after = options.get("with_")
-        if options.get("weather") is not None:
-            file_only(Weather.of(options["weather"]))
+        file_only(options.get("weather"))
         said = {**options, "with_": after.path if isinstance(after, Archive) else after}
         _heliotile.view(asked("Archive.view", ViewOptions, said, archive=self.path).args(), os.fspath(output), self.access)
 

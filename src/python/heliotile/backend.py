@@ -14,8 +14,8 @@ from xarray.backends import BackendArray, BackendEntrypoint
 from xarray.core import indexing
 
 from .archive import Archive
-from .given import MEMORY, asked, wanted_args
-from .options import ReplayOptions, Wanted
+from .given import MEMORY, asked, wanted_of
+from .options import ReplayOptions
 from .lazy import LazyReplay
 
 #: Number of receivers of a tile, which is computed as a whole.
@@ -51,7 +51,7 @@ class HeliotileBackend(BackendEntrypoint):
     """Opens `.helio` archives under weather."""
 
     # xarray reads names of options from a signature, and the options of a replay are keywords.
-    open_dataset_parameters = ("filename_or_obj", "drop_variables", "weather", "access", "grid_north", "receivers", "cache_bytes", *sorted(ReplayOptions.__optional_keys__))
+    open_dataset_parameters = ("filename_or_obj", "drop_variables", "weather", "access", "grid_north", "cache_bytes", *sorted(ReplayOptions.__optional_keys__))
     description = "Archives of heliotile, replayed under weather when values are read"
     url = "https://docs.xarray.dev/en/stable/user-guide/io.html"
 
@@ -63,7 +63,6 @@ class HeliotileBackend(BackendEntrypoint):
         weather: Any = None,
         access: str = "map",
         grid_north: bool = False,
-        receivers: Wanted | None = None,
         cache_bytes: int = CACHE,
         **options: Unpack[ReplayOptions],
     ) -> xr.Dataset:
@@ -93,9 +92,9 @@ class HeliotileBackend(BackendEntrypoint):
         }
         coordinates = {k: v for k, v in frame.coordinates(archive.receivers()).items() if k not in dropped}
         data = xr.Dataset(variables, coordinates, frame.provenance)
-        if receivers is None:
+        if (wanted := wanted_of(options)) is None:
             return data
-        [ids] = archive._handle.chosen(wanted_args(receivers), MEMORY)
+        [ids] = archive._handle.chosen(wanted, MEMORY)
         return data if ids is None else data.sel(receiver=ids)
 
     def guess_can_open(self, filename_or_obj: Any) -> bool:

@@ -133,8 +133,8 @@ class Asked:
                 self._add(option, said)
 
     def _add_error_weather(self, name: str, value: Any) -> None:
-        weather = Weather.of(value)
-        file_only(weather)
+        if (weather := file_only(value)) is None:
+            return
         self._add(name, weather.name)
         stated = {known for known, _ in self.texts}
         for option, said in zip(OF_WEATHER, weather.said, strict=True):
@@ -222,16 +222,17 @@ def wanted_args(receivers: Wanted | None) -> WantedArgs:
     return [str(receiver) for receiver in np.atleast_1d(ids).tolist()]
 
 
-def file_only(weather: Weather) -> Weather:
-    """Returns weather of a file. An error: weather of a table."""
-    if weather.table is not None:
-        raise wrong(weather.name, "is a table, and this function reads weather from a file only", "write the table to a CSV file and give its path")
-    return weather
+def file_only(weather: Any) -> Weather | None:
+    """Returns weather of a file, or None. An error: weather of a table."""
+    found = None if weather is None else Weather.of(weather)
+    if found is not None and found.table is not None:
+        raise wrong(found.name, "is a table, and this function reads weather from a file only", "write the table to a CSV file and give its path")
+    return found
 
 
 def _of_scene(name: str, weather: Any) -> None:
     """Refuses weather with a location of its own where the scene states it."""
-    if weather is not None and file_only(Weather.of(weather)).said[:2] != (None, None):
+    if (found := file_only(weather)) is not None and found.said[:2] != (None, None):
         raise wrong(name, "states its location, and this function takes that of the scene", "give latitude and longitude to the `Scene`")
 
 

@@ -24,7 +24,6 @@ from .options import (
     TradeoffOptions,
 )
 from .scene import scene_options
-from .weather import Weather
 
 #: Files of a scene, or a `Scene`.
 Files = Any
@@ -90,8 +89,7 @@ def energyplus(model: str | os.PathLike[str], output: str | os.PathLike[str], **
     `weather` belongs to `run`, which runs EnergyPlus from the folder `energyplus`, and to
     `delete_surroundings`. The options are those of `heliotile.options.EnergyplusOptions`.
     """
-    if options.get("weather") is not None:
-        file_only(Weather.of(options["weather"]))
+    file_only(options.get("weather"))
     keywords = asked("energyplus", EnergyplusOptions, options, model=model, output=output)
     _heliotile.energyplus(keywords.args(), options.get("progress"))
     return os.fspath(output)

@@ -1,5 +1,5 @@
-//! Work that reads and writes files. In: requests. Out: files, and a summary: plain values, JSON, or
-//! text for people.
+//! Work that reads and writes files. In: requests. Out: files, and a summary: plain values, JSON,
+//! or text for people.
 
 use std::path::{Path, PathBuf};
 

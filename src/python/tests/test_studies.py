@@ -21,14 +21,14 @@ def rows(path: Path) -> list[str]:
 def test_run_is_the_programs(tmp_path: Path) -> None:
     """A run in one go writes the 9 files of the program; its archive and its tables are equal byte by byte, and other inputs are refused."""
     program("run", CITY, "--weather", DAYS, "--quality", "draft", "--spacing", "6m", "--every", "month", "-o", tmp_path / "program")
-    done = heliotile.run(CITY, DAYS, tmp_path / "python", quality="draft", cover={"spacing": 6.0}, every=["month"])
+    done = heliotile.run(CITY, DAYS, tmp_path / "python", quality="draft", spacing=6.0, every=["month"])
     names = sorted(path.relative_to(tmp_path / "program") for path in (tmp_path / "program").rglob("*") if path.is_file())
     assert names == sorted(path.relative_to(tmp_path / "python") for path in (tmp_path / "python").rglob("*") if path.is_file())
     for name in ["site.helio", "receivers.csv", "golden_3_days/annual.csv", "golden_3_days/months.csv"]:
         assert (tmp_path / "program" / name).read_bytes() == (tmp_path / "python" / name).read_bytes(), name
     assert "roof" in done.table and done.open().count > 100 and "golden_3_days/annual.csv" in done.files
     with pytest.raises(heliotile.InputError, match="replace"):
-        heliotile.run(CITY, DAYS, tmp_path / "python", quality="draft", cover={"spacing": 8.0})
+        heliotile.run(CITY, DAYS, tmp_path / "python", quality="draft", spacing=8.0)
     with pytest.raises(heliotile.ArgumentError, match="week"):
         heliotile.run(CITY, DAYS, tmp_path / "other", every="week")
 
@@ -135,7 +135,7 @@ def test_regions_are_the_programs(tmp_path: Path) -> None:
     words = ["--part-size", "60m", "--spacing", "8m", "--quality", "draft", "--sample", 0, "--crs", 28992]
     program("partition", CITY, *words, "-o", tmp_path / "program")
     scene = heliotile.Scene(CITY, crs=28992)
-    atlas = heliotile.partition(scene, tmp_path / "python", part_size=60.0, cover={"spacing": 8.0}, quality="draft", sample=0)
+    atlas = heliotile.partition(scene, tmp_path / "python", part_size=60.0, spacing=8.0, quality="draft", sample=0)
     plans = [json.loads((tmp_path / name / "atlas.json").read_text()) for name in ("program", "python")]
     assert plans[0] == plans[1] and len(atlas.parts()) == len(plans[0]["parts"]) == 3
     built = next(part for part in map(atlas.build, [part.name for part in atlas.parts()]) if part.state == "built")
@@ -174,7 +174,7 @@ def test_footprints_give_their_attributes_back(tmp_path: Path) -> None:
     scene = heliotile.Scene(town, height=["height", "levels"], storey_height=3.0)
     assert scene.place == (pytest.approx(48.138, abs=0.01), pytest.approx(11.576, abs=0.01))
     assert any("UTM zone of its middle" in note for note in scene.notes)
-    done = heliotile.run(scene, DAYS, tmp_path / "out", quality="draft", cover={"spacing": 6.0})
+    done = heliotile.run(scene, DAYS, tmp_path / "out", quality="draft", spacing=6.0)
     done.open().write(tmp_path / "map.parquet", DAYS, every="total", by="building", geo=True)
     years = duckdb.sql(f"select building, year, typeof(year) from '{tmp_path}/map.parquet' order by building").fetchall()
     assert len(years) == 9 and ("tower", 1974, "BIGINT") in years
@@ -206,7 +206,7 @@ def test_a_scene_with_y_up_is_turned(tmp_path: Path) -> None:
     (tmp_path / "y.obj").write_text("v 0 0 0\nv 4 0 0\nv 4 3 0\nv 0 3 0\nusemtl wall\nf 1 2 3 4\n")
     covered = [heliotile.Scene(tmp_path / f"{up}.obj", up=up, ground=False) for up in "yz"]
     assert [scene.cover(tmp_path / "r.csv", on="wall") for scene in covered][0]
-    assert json.loads(json.dumps(covered[0].request()))["frame"] == {"up": "y"}
+    assert [scene.options["up"] for scene in covered] == ["y", "z"]
     with pytest.raises(heliotile.ArgumentError) as refused:
         heliotile.Scene(tmp_path / "z.obj", latitude=91.0, longitude=0.0)
     assert refused.value.argument == "latitude"

@@ -156,7 +156,7 @@ fn shape(ty: &Type) -> (Many, &Type) {
     }
 }
 
-/// What `request(..)` says about a struct.
+/// Contents of `request(..)` at a struct.
 #[derive(Default)]
 struct About {
     groups: Vec<Tokens>,
@@ -205,7 +205,7 @@ fn names(meta: &ParseNestedMeta) -> Result<Vec<LitStr>> {
     Ok(Punctuated::<LitStr, Token![,]>::parse_terminated(&inside)?.into_iter().collect())
 }
 
-/// What `field(..)` says.
+/// Contents of `field(..)`.
 #[derive(Default)]
 struct FieldAttribute {
     flatten: bool,

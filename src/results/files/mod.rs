@@ -154,5 +154,5 @@ pub fn name_of(path: &Path) -> String {
 /// Returns the help of the output.
 fn output_help() -> String {
     let maps = MapFormat::ENDINGS.map(|(ending, _)| format!(".{ending}")).join(", ");
-    format!("{}; also maps: {maps}, .parquet with --geo", table_help("Table to write"))
+    format!("{}; also maps: {maps}, .parquet with {{geo}}", table_help("Table to write"))
 }

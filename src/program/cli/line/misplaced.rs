@@ -113,8 +113,9 @@ mod tests {
         }
     }
 
-    /// An option of other commands is named with them: `run` has no --sky, `buildings`
-    /// no --columns, `pv` no --temperature, 4 of 4; a misspelt option, which no command has, is left to clap.
+    /// An option of other commands is named with them: `run` has no --sky, `buildings` no
+    /// --columns, `pv` no --temperature, 4 of 4; a misspelt option, which no command has, is left
+    /// to clap.
     #[test]
     fn options_of_other_commands_are_named() {
         let hint = |line: &str| of_others(&command_line().try_get_matches_from(line.split(' ')).err()?);

@@ -1,0 +1,72 @@
+//! How each command starts. In: a command with the texts of its fields. Out: the command ran.
+
+use super::{
+    Outcome, atlas, audit, build, comfort, copy, energyplus, export, inspect, pv, receivers, repair, replay, run,
+    start, sunlight, tradeoff, transfer, update, view,
+};
+use heliotile::atlas::{PartitionRequest, VerifyRequest};
+use heliotile::cases::{self, *};
+use heliotile::{Provenance, Result};
+
+/// Fills the request of a command and runs it.
+type Start = fn(&Given, Provenance) -> Result<Outcome>;
+
+macro_rules! runs {
+    ($(($name:literal, $request:ty, $run:path)),+ $(,)?) => {
+        /// How each command starts.
+        const RUNS: &[(&str, Start)] =
+            &[$(($name, |given, about| start::<$request>(given, about, $run))),+];
+    };
+}
+
+runs![
+    ("run", Run, run::run),
+    ("pv", Pv, pv::run),
+    ("energyplus", Energyplus, energyplus::run),
+    ("receivers", Receivers, receivers::run),
+    ("build", Build, build::run),
+    ("plan", Plan, build::plan),
+    ("update", Update, update::run),
+    ("query", Query, replay::query),
+    ("replay", Replay, replay::replay),
+    ("compare", Compare, replay::compare),
+    ("sunlight", Sunlight, sunlight::run),
+    ("glare", Glare, sunlight::glare),
+    ("comfort", Comfort, comfort::run),
+    ("factors", Factors, replay::factors),
+    ("buildings", Buildings, replay::buildings),
+    ("places", Places, replay::places),
+    ("rules", Rules, sunlight::rules),
+    ("info", Info, inspect::info),
+    ("verify", VerifyRequest, inspect::verify),
+    ("audit", Audit, audit::run),
+    ("tradeoff", Tradeoff, tradeoff::run),
+    ("diff", Diff, transfer::diff),
+    ("repair", Repair, repair::run),
+    ("view", View, view::run),
+    ("export", Export, export::run),
+    ("extract", Extract, transfer::extract),
+    ("merge", Merge, transfer::merge),
+    ("copy", Copy, copy::run),
+    ("partition", PartitionRequest, atlas::partition),
+    ("find", Find, atlas::find),
+    ("catalogue", Catalogue, atlas::catalogue),
+];
+
+/// Runs a command.
+pub fn carry_out(command: &cases::Command, given: &Given, about: Provenance) -> Result<Outcome> {
+    let start = RUNS.iter().find(|(name, _)| *name == command.name).map(|(_, start)| start);
+    start.map_or(Ok(Outcome::Fine), |start| start(given, about))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each command of the library starts, and has no other start.
+    #[test]
+    fn every_command_starts() {
+        let names: Vec<&str> = cases::COMMANDS.iter().map(|command| command.name).collect();
+        assert_eq!(names, RUNS.iter().map(|(name, _)| *name).collect::<Vec<_>>());
+    }
+}
