@@ -42,6 +42,8 @@ def site_path(path):
     parts = path.split("/")
     if parts[:2] == ["src", "book"] and len(parts) == 3 and path.endswith(".md"):
         return parts[2]
+    if parts[:3] == ["src", "book", "reference"] and path.endswith(".md"):
+        return f"reference/{parts[3]}"
     if parts[0] == "schema" or path.startswith("tools/pictures/"):
         return path.removeprefix("tools/")
     if path.startswith(GALLERY + "/") and len(parts) == 4:
@@ -107,7 +109,7 @@ class Pages:
             elif found := re.match(r"\| \[([^\]]+)\]\(([^)]+)\)", line):
                 lines.append(f"- [{found[1][0].upper() + found[1][1:]}]({found[2]})")
         listed = {line.split("](")[1].rstrip(")") for line in lines if "](" in line}
-        more = {"The format": "schema/", "Examples": "gallery/", "Project": ""}
+        more = {"Commands and their options": "reference/", "The format": "schema/", "Examples": "gallery/", "Project": ""}
         for part, start in more.items():
             pages = sorted((title_of(path), site_path(path)) for path in self.done if path.endswith(".md"))
             pages = [(title, to) for title, to in pages if to not in listed and to.startswith(start)]
@@ -125,7 +127,7 @@ def main(out):
     shutil.rmtree(out, ignore_errors=True)
     pages = Pages(out)
     for path in ["README.md", "src/book/README.md", GALLERY, "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", *sorted(
-            page.relative_to(TOP).as_posix() for folder in ("src/book", "schema") for page in (TOP / folder).glob("*.md"))]:
+            page.relative_to(TOP).as_posix() for folder in ("src/book", "src/book/reference", "schema") for page in (TOP / folder).glob("*.md"))]:
         pages.add(path)
     (pages.out / "src/SUMMARY.md").write_text(pages.summary())
     (pages.out / "book.toml").write_text(BOOK_TOML)

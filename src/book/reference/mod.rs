@@ -1,5 +1,5 @@
 // Made by tools/faces from the requests. Do not edit.
-#![doc = include_str!("README.md")]
+#![doc = include_str!("commands.md")]
 
 #[doc = include_str!("run.md")]
 pub mod run {}

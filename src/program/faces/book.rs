@@ -16,12 +16,12 @@ pub fn pages() -> BTreeMap<PathBuf, String> {
     let mut pages: BTreeMap<PathBuf, String> =
         COMMANDS.iter().map(|command| (folder.join(format!("{}.md", command.name)), page(command))).collect();
     pages.insert(folder.join("mod.rs"), module());
-    pages.insert(folder.join("README.md"), list());
+    pages.insert(folder.join("commands.md"), list());
     pages
 }
 
 fn module() -> String {
-    let mut text = format!("// {MADE}\n#![doc = include_str!(\"README.md\")]\n");
+    let mut text = format!("// {MADE}\n#![doc = include_str!(\"commands.md\")]\n");
     for command in COMMANDS {
         let name = command.name;
         let _ = write!(text, "\n#[doc = include_str!(\"{name}.md\")]\npub mod {name} {{}}\n");
