@@ -36,6 +36,7 @@
 //!
 //! | crate | what it holds |
 //! | --- | --- |
+//! | [`heliotile_requests`] | requests that declare their fields once, for every face |
 //! | [`heliotile_core`] | what an archive is and how it is replayed; every formula |
 //! | [`heliotile_scene`] | files of the world: geometry, materials, receivers |
 //! | [`heliotile_builder`] | tracing, writing, plans, the reference path tracer, parts and unions of archives |

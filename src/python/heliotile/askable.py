@@ -207,14 +207,16 @@ class Askable(ABC):
         it, break it, or are too close to it to decide.
         """
         keywords, wanted = asked("Archive.sunlight", SunlightOptions, options, output=output, dates=dates), wanted_of(options)
-        return json.loads(self._open(wanted).sunlight(keywords.args(), wanted, options.get("progress")))
+        found: dict[str, Any] = json.loads(self._open(wanted).sunlight(keywords.args(), wanted, options.get("progress")))
+        return found
 
     def glare(self, output: str | os.PathLike[str], dates: str | Sequence[str] = "year", **options: Unpack[GlareOptions]) -> dict[str, Any]:
         """Writes when mirrors and glass reflect the sun to receivers, or how rules rate that:
         `heliotile glare`. Arguments are those of `sunlight`, options those of
         `heliotile.options.GlareOptions`. A plot that ends with .svg is a calendar."""
         keywords, wanted = asked("Archive.glare", GlareOptions, options, output=output, dates=dates), wanted_of(options)
-        return json.loads(self._open(wanted).glare(keywords.args(), wanted, options.get("progress")))
+        found: dict[str, Any] = json.loads(self._open(wanted).glare(keywords.args(), wanted, options.get("progress")))
+        return found
 
     def factors(self, **options: Unpack[FactorsOptions]) -> Factors:
         """Computes what surroundings reflect, as EnergyPlus' five factors over the sun's position:

@@ -67,7 +67,7 @@ class Asked:
             texts = _text(name, value)
         else:
             texts = [text for one in value for text in _text(name, one) if isinstance(text, str)]
-        self.texts.append((name, texts))  # type: ignore[arg-type]
+        self.texts.append((name, texts))
 
     def _add_memory(self, name: str, value: Any) -> None:
         self.texts.append((name, [value if isinstance(value, str) else f"{_whole(name, value)}B"]))
@@ -193,8 +193,9 @@ def wanted_of(options: Mapping[str, Any]) -> WantedArgs:
     return wanted_args(ways)
 
 
-def wanted_args(receivers: Wanted | None) -> WantedArgs:
+def wanted_args(wanted: Wanted | None) -> WantedArgs:
     """Returns a selection of receivers for the engine."""
+    receivers: Any = wanted
     if receivers is None:
         return None
     if isinstance(receivers, os.PathLike):
@@ -210,10 +211,10 @@ def wanted_args(receivers: Wanted | None) -> WantedArgs:
         table = columns_of(receivers, "receivers")
         if "receiver" not in table:
             raise refused("receivers", f"has no column `receiver`, but {', '.join(table)}", "give a table with the ids, or the ids themselves")
-        receivers = table["receiver"]  # type: ignore[assignment]
+        receivers = table["receiver"]
     if not hasattr(receivers, "__array__"):
         # Sets, keys, generators.
-        receivers = list(receivers)  # type: ignore[arg-type]
+        receivers = list(receivers)
     ids = np.asarray(receivers)
     if ids.dtype.kind == "b" and ids.size:
         raise refused("receivers", "is a mask, and ids are needed", 'give site.receivers()["receiver"][mask]')

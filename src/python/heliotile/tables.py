@@ -59,7 +59,7 @@ def _cells(values: np.ndarray) -> list[Any]:
     if values.dtype.kind == "M":
         # Text to the millisecond.
         return ["" if text == "NaT" else text for text in np.datetime_as_string(values.astype("datetime64[ms]")).tolist()]
-    cells = values.tolist()
+    cells: list[Any] = values.tolist()
     if values.dtype.kind in "OUST":
         # A lone carriage return would end the row.
         cells = [None if _is_missing(cell) else cell.replace("\r", " ") if isinstance(cell, str) else cell for cell in cells]
