@@ -57,9 +57,9 @@ def test_a_build_for_an_error_is_the_programs(scene: heliotile.Scene, tmp_path: 
     (tmp_path / "two.csv").write_text("condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2\na,180,40,800,90\nb,90,10,300,50\n")
     report = site.audit([SCENE[0]], conditions=tmp_path / "two.csv", samples=5, paths=64)
     assert (report.hours, report.verdict) == (10, "holds") and report.stated_percent is not None
-    with pytest.raises(heliotile.ArgumentError, match="weather, conditions: are both given"):
+    with pytest.raises(heliotile.ArgumentError, match="conditions: does not go together with weather"):
         site.audit(scene, weather=DAYS, conditions=tmp_path / "two.csv")
-    with pytest.raises(heliotile.ArgumentError, match="paths: is 3"):
+    with pytest.raises(heliotile.ArgumentError, match="paths: 3 is not in 16"):
         site.audit(scene, paths=3)
     with pytest.raises(heliotile.InputError, match="not the scene of the archive"):
         site.audit(DATA / "cityjson" / "hague.city.json")
@@ -93,7 +93,7 @@ def test_tradeoff_is_the_programs(scene: heliotile.Scene, tmp_path: Path) -> Non
     assert [f"{step.error_percent:.4f}" for step in found.steps] == [row["error_percent"] for row in rows("python")]
     assert found.steps[1].name == "draft" and found.steps[1].settings["sky_base"] == 64.0 and found.sources is None
     assert Path(found.page).read_text().startswith("<!DOCTYPE html>") and "rung" in found.table
-    with pytest.raises(heliotile.ArgumentError, match="sample: is 0"):
+    with pytest.raises(heliotile.ArgumentError, match="sample: 0 is not in 1..=4096"):
         heliotile.tradeoff(scene, RECEIVERS, tmp_path / "none", sample=0)
 
 
@@ -130,7 +130,7 @@ def test_exports_are_the_programs(site: heliotile.Archive, tmp_path: Path) -> No
     assert values[0][-half:] == values[1][-half:]
     for choices, text in [
         ({"receiver": receiver, "sun": (180, -5)}, "not above the horizon"),
-        ({"receiver": receiver, "panel": True}, "panel: has no light"),
+        ({"receiver": receiver, "panel": True}, "panel: belongs to sun, which is not given"),
         ({"sun": (180, 45)}, "do not depend on light"),
     ]:
         with pytest.raises(heliotile.ArgumentError, match=text):
@@ -167,7 +167,7 @@ def test_no_result_replaces_an_input(site: heliotile.Archive, tmp_path: Path) ->
         lambda: site.places(weather, weather),
         lambda: heliotile.compare(site, after, weather, summary=after),
     ):
-        with pytest.raises((heliotile.ArgumentError, heliotile.InputError), match="input|replaced"):
+        with pytest.raises((heliotile.ArgumentError, heliotile.InputError, heliotile.UnsupportedError), match="input|replaced|ending"):
             call()
     assert [path.read_bytes() for path in inputs] == before
 
@@ -178,8 +178,7 @@ def test_the_book_names_every_command() -> None:
     start = lines.index("| program | Python |") + 2
     table = [line.strip("| ").split(" | ", 1) for line in lines[start : lines.index("", start)]]
     commands = {word.split()[0] for left, _ in table for word in re.findall(r"`([^`]+)`", left)}
-    listed = printed("--help").split("Commands:")[1].split("\n\n")[0]
-    known = {line.split()[0] for line in listed.splitlines() if re.match(r"  [a-z]", line)} - {"help"}
+    known = {line.split()[0] for line in printed("--help").splitlines() if re.match(r"  [a-z]+  ", line)}
     assert commands == known and len(known) == 35, commands ^ known
     owners = {"site": heliotile.Archive, "Scene(files)": heliotile.Scene, 'Archive.open("site.helio")': heliotile.Archive, 'Atlas.open("atlas")': heliotile.Atlas}
     for call in (call for _, right in table for call in re.findall(r"`([^`]+)`", right) if not call.startswith("python ")):
@@ -210,7 +209,7 @@ def test_update_is_the_programs(site: heliotile.Archive, tmp_path: Path) -> None
     assert (tmp_path / "program.helio").read_bytes() == (tmp_path / "preview.helio").read_bytes()
     with pytest.raises(heliotile.InputError, match="is a preview"):
         seen.update(tmp_path / "no.helio", remove=["tower"])
-    with pytest.raises(heliotile.ArgumentError, match="is not a possible bound for a preview"):
+    with pytest.raises(heliotile.ArgumentError, match="is not a possible bound of a preview"):
         site.update(tmp_path / "no.helio", remove=["tower"], preview=200)
     with pytest.raises(heliotile.ArgumentError, match="no object or building `towr`"):
         after.update(tmp_path / "no.helio", move={"towr": (1, 2, 3)})

@@ -174,7 +174,7 @@ def test_cover_is_the_programs(tmp_path: Path) -> None:
         program("receivers", city, *words, "-o", tmp_path / "p.csv")
         assert scene.cover(tmp_path / "own.csv", **choices).startswith(start)
         assert (tmp_path / "own.csv").read_bytes() == (tmp_path / "p.csv").read_bytes()
-    with pytest.raises(heliotile.ArgumentError, match="spacing: is 0"):
+    with pytest.raises(heliotile.ArgumentError, match="spacing: `0` is out of range"):
         scene.cover(tmp_path / "none.csv", spacing=0)
     with pytest.raises(heliotile.ArgumentError, match="`rooves` is neither a kind of surface nor a material"):
         scene.cover(tmp_path / "none.csv", on="rooves")
