@@ -32,8 +32,11 @@ pub fn prepared<R: Request + Default>(
     let rows = R::rows();
     let names: Vec<&str> = given.iter().map(|(name, _)| name.as_str()).chain(known.iter().copied()).collect();
     let request = filled::<R>(given).map_err(|(field, what)| wrong(&rows, &field, &what))?;
-    complete(&rows, &R::groups(), &names)
-        .map_err(|(field, what)| Error::argument(field, what, "give it another way"))?;
+    complete(&rows, &R::groups(), &names).map_err(|(field, what)| {
+        let hint =
+            if what.ends_with("given") && !what.starts_with("only") { "give it too" } else { "leave one of them out" };
+        Error::argument(field, what, hint)
+    })?;
     let claimed = ready(&request, names.contains(&"geo"), in_memory)?;
     Ok(Prepared { request, _claimed: claimed })
 }
