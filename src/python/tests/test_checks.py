@@ -131,7 +131,7 @@ def test_exports_are_the_programs(site: heliotile.Archive, tmp_path: Path) -> No
     for choices, text in [
         ({"receiver": receiver, "sun": (180, -5)}, "not above the horizon"),
         ({"receiver": receiver, "panel": True}, "panel: belongs to sun, which is not given"),
-        ({"sun": (180, 45)}, "do not depend on light"),
+        ({"sun": (180, 45)}, "view_factors: does not go together with sun"),
     ]:
         with pytest.raises(heliotile.ArgumentError, match=text):
             site.export(tmp_path / "none.png", **choices)
