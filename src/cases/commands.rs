@@ -62,6 +62,12 @@ macro_rules! commands {
             groups: <$request as Request>::groups,
             check: |given| prepared::<$request>(given, &[], &|_| false).map(drop),
         }),+];
+
+        /// Fields of each command whose stated default is not that of the request.
+        #[cfg(test)]
+        fn odd_defaults() -> Vec<String> {
+            [$(tests::odd::<$request>($name)),+].concat()
+        }
     };
 }
 
@@ -188,5 +194,32 @@ impl Command {
     /// Returns the command of a name.
     pub fn of(name: &str) -> Option<&'static Command> {
         COMMANDS.iter().find(|command| command.name == name)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use heliotile_requests::Many;
+
+    /// Returns the fields that change when they are filled with their stated default.
+    pub fn odd<R: Request + Default + std::fmt::Debug>(command: &str) -> Vec<String> {
+        let usual = format!("{:?}", R::default());
+        let is_odd = |row: &Row| {
+            let Some(text) = row.default.as_ref().filter(|_| row.many != Many::Optional) else { return false };
+            let texts = match row.delimiter.filter(|_| row.many == Many::List) {
+                Some(delimiter) => text.split(delimiter).map(str::to_owned).collect(),
+                None => vec![text.clone()],
+            };
+            let mut request = R::default();
+            request.fill(row.name, &texts).is_err() || format!("{request:?}") != usual
+        };
+        R::rows().iter().filter(|row| is_odd(row)).map(|row| format!("{command} {}", row.name)).collect()
+    }
+
+    /// Defaults that faces show are those of the requests: of all fields of 31 commands none differs.
+    #[test]
+    fn stated_defaults_are_those_of_requests() {
+        assert_eq!(odd_defaults(), Vec::<String>::new());
     }
 }
