@@ -217,7 +217,8 @@ mod tests {
         R::rows().iter().filter(|row| is_odd(row)).map(|row| format!("{command} {}", row.name)).collect()
     }
 
-    /// Defaults that faces show are those of the requests: of all fields of 31 commands none differs.
+    /// Defaults that faces show are those of the requests: of all fields of 31 commands none
+    /// differs.
     #[test]
     fn stated_defaults_are_those_of_requests() {
         assert_eq!(odd_defaults(), Vec::<String>::new());

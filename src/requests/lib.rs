@@ -576,8 +576,8 @@ mod tests {
         assert_eq!(asked(&[("weathr", &["a"])]).expect_err("misspelt").0, "weathr");
     }
 
-    /// Of 5 sets of fields that are filled 2 are complete: the others lack what is required, or
-    /// name two fields that exclude each other.
+    /// Two of 5 sets of filled fields are complete: the others lack what is required, or name two
+    /// fields that exclude each other.
     #[test]
     fn fields_exclude_and_need_each_other() {
         let complete = |filled: &[&str]| complete(&Asked::rows(), &Asked::groups(), filled).map_err(|error| error.0);
