@@ -245,7 +245,7 @@ fn output_extensions_are_checked_first() {
     folder.refused("receivers none.obj --buried m.txt", &["name it m.csv"]);
     folder.refused("query none.helio -c conditions.csv -o m.xlsx", &["m.xlsx", ".parquet"]);
     folder.refused("replay none.helio -w none.epw -o no/such/m.csv", &["mkdir -p no/such"]);
-    folder.refused("run none.obj -w none.epw -o m.csv", &["has the ending of a file", "-o m"]);
+    folder.refused("run none.obj -w none.epw -o m.csv", &["has the ending of a file", "give a folder: m"]);
     folder.refused("tradeoff none.obj -r none.csv -o m.html", &["has the ending of a file"]);
     folder.refused("export site.helio --view-factors -o no/such/m.csv", &["mkdir -p no/such"]);
     // An existing file is refused as the kind that it is, also by `repair`.

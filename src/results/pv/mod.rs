@@ -69,8 +69,8 @@ pub struct PvRequest {
     /// ground below), and tilt_deg,azimuth_deg (from true north; may be left out with --search).
     #[field(short = 'p', metavar = "FILE", input = Any)]
     pub points: Option<PathBuf>,
-    /// Rows of modules, TOML: each [[rows]] has a name, an area or surface, tilt, azimuth, pitch,
-    /// width, height. Modules shade each other, reflect light to each other, and have a front and a
+    /// Rows of modules, TOML: each table `rows` has a name, an area or surface, tilt, azimuth,
+    /// pitch, width, height. Modules shade each other, reflect light to each other, and have a front and a
     /// rear. `ground = 0.5` adds receivers on the ground among the rows, 0.5 m apart, with the
     /// light that plants use.
     #[field(short = 'r', metavar = "FILE", input = Any)]

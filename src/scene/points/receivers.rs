@@ -18,7 +18,7 @@ use heliotile_core::site::receiver::Receiver;
 const NAMES: [Names; 2] = [&["receiver"], &["point"]];
 const AREA: Names = &["area_m2", "area"];
 const SURFACE: Names = &["surface"];
-/// Optional column of the part of its surface that the receiver stands for, as in [`Patch`].
+/// Optional column of the part of its surface that the receiver stands for, as in a `Patch`.
 pub const PATCH: &str = "patch";
 /// Optional columns of the model part that the receiver stands for.
 const PART: [Names; ModelPart::COLUMNS.len()] = {
