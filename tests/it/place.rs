@@ -271,5 +271,6 @@ fn rows_of_results_are_read_as_points() {
     folder.write("both.csv", "receiver,x,y,z,nx,ny,nz,tilt_deg,azimuth_deg\na,316483.8,5987150.6,2,0,-1,0,90,180\n");
     let refused = ["both.csv, line 2", "differ by 2.27 degrees"];
     folder.refused("build meadow.obj --crs EPSG:25832 -r both.csv -o both.helio", &refused);
-    folder.refused("replay first.helio -w south.csv --by surface --positions", &["--positions", "groups of receivers"]);
+    let grouped = format!("replay first.helio -w {} --by surface --positions", weather.display());
+    folder.refused(&grouped, &["--positions", "groups of receivers"]);
 }
