@@ -75,8 +75,9 @@ fn listed(program: &Command) -> String {
         text += &format!("\n{heading}\n");
         for command in program.get_subcommands().filter(|command| is_of(command.get_name())) {
             let about = command.get_about().map(ToString::to_string).unwrap_or_default();
-            let about = about.split(['.', ':', ';']).next().unwrap_or_default();
-            text += &format!("  {:<12} {about}\n", command.get_name());
+            let about =
+                about.split(". ").next().and_then(|first| first.split([':', ';', '(']).next()).unwrap_or_default();
+            text += &format!("  {:<12} {}\n", command.get_name(), about.trim_end());
         }
     };
     for (aim, heading) in cases::Aim::ALL {
@@ -84,5 +85,5 @@ fn listed(program: &Command) -> String {
         list(heading, &|name| of(name) == Some(aim) || (aim == cases::Aim::Large && name == "store"));
     }
     list("The program", &|name| ["study", "completions", "man"].contains(&name));
-    text + "\n`heliotile COMMAND --help` lists the options of a command."
+    text.trim_start().to_owned() + "\n`heliotile COMMAND --help` lists the options of a command."
 }
