@@ -6,7 +6,7 @@ use std::path::Path;
 use heliotile_builder::writing::claim::OutputGuard;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::text::without_secrets;
-use heliotile_requests::{Many, Request, Row, complete, filled};
+use heliotile_requests::{Many, Problem, Request, Row, complete, filled};
 use serde_json::{Map, Number, Value};
 
 use super::ready::ready;
@@ -32,11 +32,8 @@ pub fn prepared<R: Request + Default>(
     let rows = R::rows();
     let names: Vec<&str> = given.iter().map(|(name, _)| name.as_str()).chain(known.iter().copied()).collect();
     let request = filled::<R>(given).map_err(|(field, what)| wrong(&rows, &field, &what))?;
-    complete(&rows, &R::groups(), &names).map_err(|(field, what)| {
-        let hint =
-            if what.ends_with("given") && !what.starts_with("only") { "give it too" } else { "leave one of them out" };
-        Error::argument(field, what, hint)
-    })?;
+    complete(&rows, &R::groups(), &names)
+        .map_err(|Problem { field, what, hint }| Error::argument(field, what, hint))?;
     let claimed = ready(&request, names.contains(&"geo"), in_memory)?;
     Ok(Prepared { request, _claimed: claimed })
 }
@@ -65,7 +62,7 @@ pub fn stated(rows: &[Row], given: &Given) -> Map<String, Value> {
         if row.many == Many::Flag {
             return typed.map(|_| Value::Bool(true));
         }
-        let all = typed.or_else(|| row.default.clone().map(|text| vec![text]))?;
+        let all = typed.or_else(|| row.default_texts())?;
         let all: Vec<Value> = all.iter().map(|text| value_of(&without_secrets(text))).collect();
         match row.many {
             Many::List => Some(Value::Array(all)),

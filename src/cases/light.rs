@@ -248,14 +248,22 @@ impl Default for Compare {
 
 impl Compare {
     /// Returns the request of the library.
-    pub fn request(&self) -> CompareRequest {
-        let (request, conditions) = (self.request.clone(), self.conditions.clone().unwrap_or_default().into());
-        let under = match self.weather.clone() {
-            Some(weather) => Illumination::Weather(Box::new(ReplayRequest { weather, ..request })),
-            None => Illumination::Conditions(Box::new(QueryRequest { light: request.light, conditions })),
+    ///
+    /// # Errors
+    /// Neither weather nor conditions are named.
+    pub fn request(&self) -> Result<CompareRequest> {
+        let request = self.request.clone();
+        let under = match (self.weather.clone(), self.conditions.clone()) {
+            (Some(weather), _) => Illumination::Weather(Box::new(ReplayRequest { weather, ..request })),
+            (None, Some(conditions)) => {
+                Illumination::Conditions(Box::new(QueryRequest { light: request.light, conditions: conditions.into() }))
+            }
+            (None, None) => {
+                return Err(Error::argument("weather, conditions", "none of them is given", "give one of them"));
+            }
         };
         let (after, summary, unmatched) = (self.after.clone(), self.summary.clone(), self.unmatched.clone());
-        CompareRequest { after, under, summary, unmatched }
+        Ok(CompareRequest { after, under, summary, unmatched })
     }
 }
 

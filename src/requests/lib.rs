@@ -96,6 +96,15 @@ impl Row {
         self.many == Many::Flag && self.name.starts_with("no_")
     }
 
+    /// Returns the texts of the default value, each of them alone.
+    pub fn default_texts(&self) -> Option<Vec<String>> {
+        let text = self.default.as_deref()?;
+        Some(match self.delimiter.filter(|_| self.many == Many::List) {
+            Some(delimiter) => text.split(delimiter).map(str::to_owned).collect(),
+            None => vec![text.to_owned()],
+        })
+    }
+
     /// Returns true if results state the field.
     pub fn is_stated(&self) -> bool {
         matches!(self.role, Role::Value | Role::Input(_))
@@ -433,9 +442,21 @@ pub fn filled<R: Request + Default>(given: &[(String, Vec<String>)]) -> Result<R
     Ok(request)
 }
 
+/// Problem of a field: its name, or several names; what is wrong; and what to do. Names of other
+/// fields stand in braces.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Problem {
+    /// Name of the field, or names with commas.
+    pub field: String,
+    /// Description of what is wrong.
+    pub what: String,
+    /// Advice on what to do.
+    pub hint: &'static str,
+}
+
 /// Checks which fields are filled: those that must be, and those that exclude or need each other.
-/// An error names a field and says what is wrong, with names in braces.
-pub fn complete(rows: &[Row], groups: &[Group], filled: &[&str]) -> Result<(), (String, String)> {
+pub fn complete(rows: &[Row], groups: &[Group], filled: &[&str]) -> Result<(), Problem> {
+    let problem = |field: &str, what: String, hint| Err(Problem { field: field.to_owned(), what, hint });
     let is_filled = |name: &&str| filled.contains(name);
     let is_known = |name: &&str| rows.iter().any(|row| row.name == *name);
     let listed = |names: &[&str], or: &str| {
@@ -443,17 +464,18 @@ pub fn complete(rows: &[Row], groups: &[Group], filled: &[&str]) -> Result<(), (
     };
     for row in rows {
         if row.required && !is_filled(&row.name) {
-            return Err((row.name.to_owned(), "is not given".to_owned()));
+            return problem(row.name, "is not given".to_owned(), "give it too");
         }
         if !is_filled(&row.name) {
             continue;
         }
         if let Some(other) = row.conflicts.iter().find(|other| is_filled(other) && is_known(other)) {
-            return Err((row.name.to_owned(), format!("does not go together with {{{other}}}")));
+            return problem(row.name, format!("does not go together with {{{other}}}"), "leave one of the two out");
         }
         let needed: Vec<&str> = row.requires.iter().copied().filter(|name| is_known(name)).collect();
         if !needed.is_empty() && !needed.iter().any(is_filled) {
-            return Err((row.name.to_owned(), format!("belongs to {}, which is not given", listed(&needed, " or "))));
+            let what = format!("belongs to {}, which is not given", listed(&needed, " or "));
+            return problem(row.name, what, "give that too, or leave this out");
         }
     }
     for group in groups {
@@ -465,8 +487,11 @@ pub fn complete(rows: &[Row], groups: &[Group], filled: &[&str]) -> Result<(), (
             GroupKind::AnyOf => (1, usize::MAX),
         };
         if names.len() > 1 && !(least..=most).contains(&count) {
-            let what = if count == 0 { "none of them is given" } else { "only one of them can be given" };
-            return Err((listed(&names, ", ").replace(['{', '}'], ""), what.to_owned()));
+            let (what, hint) = match count {
+                0 => ("none of them is given", "give one of them"),
+                _ => ("only one of them can be given", "leave the others out"),
+            };
+            return problem(&names.join(", "), what.to_owned(), hint);
         }
     }
     Ok(())
@@ -580,7 +605,8 @@ mod tests {
     /// fields that exclude each other.
     #[test]
     fn fields_exclude_and_need_each_other() {
-        let complete = |filled: &[&str]| complete(&Asked::rows(), &Asked::groups(), filled).map_err(|error| error.0);
+        let complete =
+            |filled: &[&str]| complete(&Asked::rows(), &Asked::groups(), filled).map_err(|problem| problem.field);
         assert_eq!(complete(&["weather"]), Ok(()));
         assert_eq!(complete(&["weather", "rule", "latitude"]), Ok(()));
         assert_eq!(complete(&["rule"]), Err("weather".to_owned()));

@@ -5,8 +5,6 @@ use heliotile_core::units::parse_amount;
 use heliotile_requests::Request;
 use std::path::{Path, PathBuf};
 
-use serde::{Deserialize, Serialize};
-
 use super::archives::Archives;
 use super::stream::TileStream;
 use crate::outputs::buildings::{Cadastre, Usable, building_rows, face_rows};
@@ -25,8 +23,7 @@ use heliotile_remote::naming::shown;
 const MORE_THAN_A_YEAR_H: f64 = 8800.0;
 
 /// Request for a solar cadastre.
-#[derive(Clone, Debug, Serialize, Deserialize, Request)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Debug, Request)]
 pub struct BuildingsRequest {
     /// Table of buildings; `-`: standard output.
     #[field(short = 'o', default = "-", help = output_help, output = Table)]

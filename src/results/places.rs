@@ -6,8 +6,6 @@ use heliotile_core::units::parse_amount;
 use heliotile_requests::Request;
 use std::path::{Path, PathBuf};
 
-use serde::{Deserialize, Serialize};
-
 use super::archives::Archives;
 use super::buildings::check_table;
 use super::stream::TileStream;
@@ -43,8 +41,7 @@ pub enum PlaceOn {
 }
 
 /// Request for the best places of modules.
-#[derive(Clone, Debug, Serialize, Deserialize, Request)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Debug, Request)]
 pub struct PlacesRequest {
     /// Table of places; `-`: standard output.
     #[field(short = 'o', default = "-", help = output_help, output = Table)]

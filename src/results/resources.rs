@@ -24,6 +24,13 @@ impl Resources<'static> {
     /// Returns 4 GiB of memory, the system's folder for temporary files, and an observer that
     /// ignores all messages.
     pub fn usual() -> Self {
-        Resources { memory: MemoryBudget::DEFAULT, storage: &SystemTemp, files: &input::read, observer: &Silent }
+        Resources::of(MemoryBudget::DEFAULT, &Silent)
+    }
+}
+
+impl<'a> Resources<'a> {
+    /// Returns resources on this machine: memory, temporary files of the system, files on disk.
+    pub fn of(memory: MemoryBudget, observer: &'a dyn Observer) -> Self {
+        Resources { memory, storage: &SystemTemp, files: &input::read, observer }
     }
 }

@@ -5,8 +5,6 @@
 use heliotile_requests::Request;
 use std::path::{Path, PathBuf};
 
-use serde::{Deserialize, Serialize};
-
 use crate::doubts::check_one_site;
 use crate::outputs::viewer_page::ViewerPage;
 use crate::receivers::ReceiverSet;
@@ -24,8 +22,7 @@ use heliotile_scene::input;
 use heliotile_scene::input::weather::read_weather_as;
 
 /// Request for a page.
-#[derive(Clone, Debug, Default, Serialize, Deserialize, Request)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Debug, Default, Request)]
 pub struct PageRequest {
     /// Archive to show, or folder of an atlas.
     #[field(positional, required, input = Archive)]

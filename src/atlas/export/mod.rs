@@ -9,8 +9,6 @@ use heliotile_requests::Request;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use serde::{Deserialize, Serialize};
-
 use crate::sources;
 use heliotile_builder::writing::guards::guard_output;
 use heliotile_core::archive::{Access, Archive};
@@ -28,8 +26,7 @@ use layers::{Image, layers_of};
 pub use sun_position::SunPosition;
 
 /// Request for an export.
-#[derive(Clone, Debug, Serialize, Deserialize, Request)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Debug, Request)]
 pub struct ExportRequest {
     /// Archive to read, or the folder of an atlas: a path or an address.
     #[field(name = "archive", positional, required, input = Archive)]

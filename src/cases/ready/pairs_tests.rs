@@ -143,12 +143,12 @@ fn no_output_is_an_input_or_another_output() {
                 let path = |row: &Row| {
                     file(row, folder.path()).map(|text| text.rsplit('=').next().unwrap_or_default().to_owned())
                 };
-                let theirs = path(other).expect("a file");
-                let before = fs::read(&theirs).ok();
-                let mut ways = vec![theirs.clone(), theirs.replace("/new-", "/./new-").replace("/old-", "/./old-")];
-                let link = folder.path().join(format!("link.{}", theirs.rsplit('.').next().unwrap_or_default()));
+                let existing = path(other).expect("a file");
+                let before = fs::read(&existing).ok();
+                let mut ways = vec![existing.clone(), existing.replace("/new-", "/./new-").replace("/old-", "/./old-")];
+                let link = folder.path().join(format!("link.{}", existing.rsplit('.').next().unwrap_or_default()));
                 #[cfg(unix)]
-                if before.is_some() && std::os::unix::fs::symlink(&theirs, &link).is_ok() {
+                if before.is_some() && std::os::unix::fs::symlink(&existing, &link).is_ok() {
                     ways.push(link.display().to_string());
                 }
                 for way in ways {
@@ -156,7 +156,7 @@ fn no_output_is_an_input_or_another_output() {
                     to.1 = vec![text(output, Path::new(&way))];
                     let refused = (command.check)(&given);
                     assert!(refused.is_err(), "{}: {} and {} are {way}", command.name, output.name, other.name);
-                    assert_eq!(fs::read(&theirs).ok(), before);
+                    assert_eq!(fs::read(&existing).ok(), before);
                 }
                 (pairs, pairs_here) = (pairs + 1, pairs_here + 1);
             }

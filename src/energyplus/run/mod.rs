@@ -12,8 +12,6 @@ use heliotile_scene::placing::frame::parse_crs;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use serde::{Deserialize, Serialize};
-
 use crate::checks;
 use crate::document::Document;
 use crate::injection::{self, Changed, Injection};
@@ -50,8 +48,7 @@ const OFFSET_M: f64 = 0.02;
 const REPORT: [&str; 2] = ["report.md", "report.html"];
 
 /// Request for an EnergyPlus model.
-#[derive(Clone, Debug, Serialize, Deserialize, Request)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Debug, Request)]
 pub struct EnergyplusRequest {
     /// EnergyPlus model, .idf or .epJSON, of version 24.1 to 25.2; with --assume-version 25.2 of
     /// any version that EnergyPlus 25.2 runs.

@@ -45,10 +45,13 @@ A .png shows the upper hemisphere, equidistant (fisheye), zenith in the middle, 
 mirrors and of skylit surfaces, and their sum, on one logarithmic scale; the irradiance of each, in W/m2, stands above it."),
 ];
 
-/// Returns a command as clap parses it.
-pub fn parsed(of: &cases::Command) -> Command {
-    let rows = (of.rows)();
+/// Returns a command as clap parses it, with or without its options.
+pub fn parsed(of: &cases::Command, has_options: bool) -> Command {
     let mut command = Command::new(of.name).about(of.about);
+    if !has_options {
+        return command;
+    }
+    let rows = (of.rows)();
     if let Some((_, text)) = MORE.iter().find(|(name, _)| *name == of.name) {
         command = command.after_long_help(*text);
     }

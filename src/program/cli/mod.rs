@@ -56,13 +56,19 @@ A year of sun from scene files:  heliotile run block.city.json --weather city.ep
 
 /// Returns the whole command line as clap parses it.
 pub fn command_line() -> Command {
+    command_line_with(&|_| true)
+}
+
+/// Returns the command line as clap parses it, in which commands that `is_named` does not tell have
+/// no options: making all of them takes a millisecond.
+pub fn command_line_with(is_named: &dyn Fn(&str) -> bool) -> Command {
     let program = Command::new("heliotile")
         .version(env!("CARGO_PKG_VERSION"))
         .max_term_width(100)
         .subcommand_required(true)
         .arg_required_else_help(true)
         .help_template("{about-with-newline}\n{usage-heading} {usage}\n{after-help}\n\n{options}")
-        .subcommands(cases::COMMANDS.iter().map(commands::parsed));
+        .subcommands(cases::COMMANDS.iter().map(|command| commands::parsed(command, is_named(command.name))));
     let program = EverywhereArgs::augment_args(Other::augment_subcommands(program)).about(ABOUT);
     let listed = listed(&program);
     program.after_help(listed)

@@ -3,15 +3,12 @@
 use super::console::terminal::Terminal;
 use super::{Outcome, say};
 use heliotile::cases::Audit;
-use heliotile::memory::SystemTemp;
-use heliotile::scene::input;
 use heliotile::{Provenance, Resources, Result, Verdict};
 
 /// `heliotile audit`: an error larger than the stated one is a finding (exit 1).
 pub fn run(args: &Audit, about: Provenance) -> Result<Outcome> {
     let terminal = Terminal::default();
-    let memory = args.memory;
-    let resources = Resources { memory, storage: &SystemTemp, files: &input::read, observer: &terminal };
+    let resources = Resources::of(args.memory, &terminal);
     let report = args.request.run(&resources)?;
     say(&report.text())?;
     if let Some(folder) = &args.output {

@@ -4,19 +4,16 @@ use super::Outcome;
 use super::console::terminal::Terminal;
 use crate::commands::console::voice::remark_aside;
 use heliotile::cases::Comfort;
-use heliotile::memory::SystemTemp;
-use heliotile::scene::input;
 use heliotile::text::counted;
 use heliotile::{Observer, Provenance, Resources, Result, Site, SiteOptions};
 
 /// `heliotile comfort`.
 pub fn run(args: &Comfort, about: Provenance) -> Result<Outcome> {
     let terminal = Terminal::watching_beside_table();
-    let memory = args.memory;
-    let resources = Resources { memory, storage: &SystemTemp, files: &input::read, observer: &terminal };
+    let resources = Resources::of(args.memory, &terminal);
     let (request, files) = (args.request(), &args.files);
     let place = args.archive(Some(&request), &resources)?;
-    let site = Site::open_with(place, SiteOptions { memory, about, ..SiteOptions::default() })?;
+    let site = Site::open_with(place, SiteOptions { memory: args.memory, about, ..SiteOptions::default() })?;
     site.note_of_north().iter().for_each(|note| terminal.note(note));
     let done = site.comfort(&request, files, &resources)?;
     // Standard output may hold the table, so the remark goes to standard error.

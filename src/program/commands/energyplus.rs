@@ -3,15 +3,12 @@
 use super::Outcome;
 use super::console::terminal::Terminal;
 use heliotile::cases::Energyplus;
-use heliotile::memory::SystemTemp;
-use heliotile::scene::input;
 use heliotile::{Provenance, Resources, Result};
 
 /// `heliotile energyplus`.
 pub fn run(args: &Energyplus, _: Provenance) -> Result<Outcome> {
     let terminal = Terminal::watching();
-    let memory = args.memory;
-    let resources = Resources { memory, storage: &SystemTemp, files: &input::read, observer: &terminal };
+    let resources = Resources::of(args.memory, &terminal);
     args.request.write(&resources)?;
     Ok(Outcome::Fine)
 }

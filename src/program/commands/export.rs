@@ -4,15 +4,12 @@
 use super::Outcome;
 use super::console::terminal::Terminal;
 use heliotile::cases::Export;
-use heliotile::memory::SystemTemp;
-use heliotile::scene::input;
 use heliotile::{Provenance, Resources, Result};
 
 /// `heliotile export`.
 pub fn run(args: &Export, about: Provenance) -> Result<Outcome> {
     let terminal = Terminal::default();
-    let memory = args.memory;
-    let resources = Resources { memory, storage: &SystemTemp, files: &input::read, observer: &terminal };
+    let resources = Resources::of(args.memory, &terminal);
     match args.page() {
         Some(page) => page.write(&resources)?,
         None => args.request().write(about, &resources)?,

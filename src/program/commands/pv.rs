@@ -4,15 +4,12 @@ use super::console::terminal::Terminal;
 use super::{Outcome, remark, say};
 use crate::cli::quoted;
 use heliotile::cases::Pv;
-use heliotile::memory::SystemTemp;
-use heliotile::scene::input;
 use heliotile::{Provenance, PvDone, Resources, Result};
 
 /// `heliotile pv`.
 pub fn run(args: &Pv, about: Provenance) -> Result<Outcome> {
     let terminal = Terminal::watching();
-    let memory = args.memory;
-    let resources = Resources { memory, storage: &SystemTemp, files: &input::read, observer: &terminal };
+    let resources = Resources::of(args.memory, &terminal);
     let done = args.request.write(about, &resources)?;
     say(&done.table)?;
     remark(&summary(args, &done))?;

@@ -3,15 +3,12 @@
 use super::console::terminal::Terminal;
 use super::{Outcome, remark};
 use heliotile::cases::Repair;
-use heliotile::memory::SystemTemp;
-use heliotile::scene::input;
 use heliotile::{Provenance, Resources, Result};
 
 /// `heliotile repair`.
 pub fn run(args: &Repair, _: Provenance) -> Result<Outcome> {
     let terminal = Terminal::watching();
-    let memory = args.memory;
-    let resources = Resources { memory, storage: &SystemTemp, files: &input::read, observer: &terminal };
+    let resources = Resources::of(args.memory, &terminal);
     remark(&args.request.write(&resources)?.text())?;
     Ok(Outcome::Fine)
 }

@@ -8,8 +8,6 @@ use super::console::terminal::Terminal;
 use super::console::voice::remark_aside;
 use super::{Outcome, remark};
 use heliotile::cases::{Buildings, Compare, Factors, Places, Query, Replay, SelectionRequest, SiteRequest};
-use heliotile::memory::SystemTemp;
-use heliotile::scene::input;
 use heliotile::text::counted;
 use heliotile::{Error, Every, FileRequest, Provenance, Resources, Result};
 
@@ -45,7 +43,7 @@ fn prints_hours(args: &Replay) -> bool {
 
 /// `heliotile compare`.
 pub fn compare(args: &Compare, about: Provenance) -> Result<Outcome> {
-    let (request, files) = (args.request(), &args.files);
+    let (request, files) = (args.request()?, &args.files);
     let done = with_resources(&args.site, |resources| {
         args.site.open(&args.receivers, about, resources.observer)?.compare(&request, files, resources)
     })?;
@@ -91,8 +89,7 @@ pub fn factors(args: &Factors, about: Provenance) -> Result<Outcome> {
 
 /// Calls `then` with the resources of a computation on an archive.
 pub fn with_resources<T>(site: &SiteRequest, then: impl FnOnce(&Resources) -> Result<T>) -> Result<T> {
-    let (storage, terminal) = (SystemTemp, Terminal::default());
-    then(&Resources { memory: site.memory, storage: &storage, files: &input::read, observer: &terminal })
+    then(&Resources::of(site.memory, &Terminal::default()))
 }
 
 #[cfg(test)]

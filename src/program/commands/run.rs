@@ -6,15 +6,12 @@ use super::console::terminal::Terminal;
 use super::{Outcome, remark, say};
 use crate::cli::quoted;
 use heliotile::cases::Run;
-use heliotile::memory::SystemTemp;
-use heliotile::scene::input;
 use heliotile::{Provenance, Resources, Result, RunDone, TimeShift, WeatherOptions};
 
 /// `heliotile run`.
 pub fn run(args: &Run, about: Provenance) -> Result<Outcome> {
     let terminal = Terminal::watching();
-    let memory = args.memory;
-    let resources = Resources { memory, storage: &SystemTemp, files: &input::read, observer: &terminal };
+    let resources = Resources::of(args.memory, &terminal);
     let done = args.request.write(about, &resources)?;
     say(&format!("\nIrradiation through {}, kWh/m2 (means by area):\n{}", args.request.weather.display(), done.table))?;
     remark(&summary(args, &done))?;

@@ -3,15 +3,12 @@
 use super::console::terminal::Terminal;
 use super::{Outcome, say};
 use heliotile::cases::Tradeoff;
-use heliotile::memory::SystemTemp;
-use heliotile::scene::input;
 use heliotile::{Provenance, Resources, Result};
 
 /// `heliotile tradeoff`.
 pub fn run(args: &Tradeoff, about: Provenance) -> Result<Outcome> {
     let terminal = Terminal::default();
-    let memory = args.memory;
-    let resources = Resources { memory, storage: &SystemTemp, files: &input::read, observer: &terminal };
+    let resources = Resources::of(args.memory, &terminal);
     let done = args.request.write(about, &resources, say)?;
     say(&format!("{}: open it in a browser\n", done.page.display()))?;
     Ok(Outcome::Fine)

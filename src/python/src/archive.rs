@@ -268,7 +268,7 @@ impl ArchiveHandle {
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<(String, String)> {
         asked.run::<Compare, _>(py, ARCHIVE, progress.as_ref(), |args, about, resources| {
-            let done = self.chosen(receivers)?.stating(about).compare(&args.request(), &args.files, resources)?;
+            let done = self.chosen(receivers)?.stating(about).compare(&args.request()?, &args.files, resources)?;
             Ok((json_of(&done.table()).to_string(), done.text()))
         })
     }

@@ -4,8 +4,6 @@
 use heliotile_requests::Request;
 use std::path::{Path, PathBuf};
 
-use serde::{Deserialize, Serialize};
-
 use super::original;
 use crate::resources::Resources;
 use heliotile_builder::held::{complete, held_receivers};
@@ -24,8 +22,7 @@ use heliotile_scene::Scene;
 use heliotile_scene::request::SceneRequest;
 
 /// Request for a repair.
-#[derive(Clone, Debug, Default, Serialize, Deserialize, Request)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Debug, Default, Request)]
 pub struct RepairRequest {
     /// Archive to repair.
     #[field(positional, required, input = Archive)]

@@ -7,7 +7,6 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
-use serde::{Deserialize, Serialize};
 
 use super::request::ComfortRequest;
 use crate::covering::{CoverRequest, cover_scene};
@@ -45,8 +44,7 @@ const SPACINGS_M: [f64; 2] = [0.1, 1000.0];
 const HEIGHTS_M: [f64; 2] = [0.05, 10.0];
 
 /// Request for the archive of a scene with people.
-#[derive(Clone, Debug, Serialize, Deserialize, Request)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Debug, Request)]
 pub struct ComfortSiteRequest {
     /// Scene with the people.
     #[field(flatten, without("grid_north"))]

@@ -40,8 +40,7 @@ pub struct ComfortRequest {
 }
 
 /// Properties of people, surfaces and wind.
-#[derive(Clone, Debug, Serialize, Deserialize, Request)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Debug, Request)]
 pub struct ComfortChoice {
     /// Columns to write, in this order: some of mrt, utci, pet, air, wind, shortwave and longwave
     /// (six planes each) [default: mrt,utci,pet].

@@ -10,8 +10,6 @@ mod results;
 use heliotile_requests::Request;
 use std::path::{Path, PathBuf};
 
-use serde::{Deserialize, Serialize};
-
 use super::archives::Archives;
 use super::stream::TileStream;
 use crate::outputs::city_model::is_city_model;
@@ -32,8 +30,7 @@ pub use results::{MapFile, Question, ResultRows, ResultSink, RowsAbout};
 pub(crate) use results::{RowFiles, groups_of, write_rows};
 
 /// Files that results are written to.
-#[derive(Clone, Debug, Serialize, Deserialize, Request)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Debug, Request)]
 pub struct FileRequest {
     /// Table or map, in a format by the ending of its name; `-`: CSV on standard output, or nothing
     /// if there are plots.

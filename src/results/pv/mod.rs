@@ -17,8 +17,6 @@ use heliotile_requests::Request;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use serde::{Deserialize, Serialize};
-
 use crate::outputs::provenance::Provenance;
 use crate::resources::Resources;
 use crate::site_build::{FolderOption, SiteBuild, SiteFolder};
@@ -51,8 +49,7 @@ use spots::Spots;
 pub(crate) use spots::placed;
 
 /// Request for a study of modules.
-#[derive(Clone, Debug, Serialize, Deserialize, Request)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Debug, Request)]
 #[request(exactly_one("points", "rows"))]
 pub struct PvRequest {
     /// Scene around the modules.

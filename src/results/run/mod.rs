@@ -11,8 +11,6 @@ use heliotile_builder::planning::parse_negligible;
 use heliotile_requests::{OutputKind, Request, Role};
 use std::path::{Path, PathBuf};
 
-use serde::{Deserialize, Serialize};
-
 use crate::archives::Archives;
 use crate::covering::{CoverRequest, cover_site};
 use crate::files::FileRequest;
@@ -45,8 +43,7 @@ use results::RunResults;
 pub use maps::RunMap;
 
 /// Request for a run.
-#[derive(Clone, Debug, Serialize, Deserialize, Request)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Debug, Request)]
 #[request(also = usual_folder)]
 pub struct RunRequest {
     /// Scene to trace.

@@ -9,7 +9,6 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use glam::DVec3;
-use serde::{Deserialize, Serialize};
 
 use super::days::DayPlan;
 use super::panes::{Pane, PaneList, ScenePanes};
@@ -42,8 +41,7 @@ use heliotile_core::units::tilt_and_azimuth;
 use heliotile_core::weather::time::calendar::Date;
 
 /// Angles of glare that counts, and files of glare besides the rows of places.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Request)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Request)]
 pub struct GlareChoice {
     /// Least angle between the sun and its image in a mirror that counts, degrees; if a rule states
     /// one too, the larger one applies.

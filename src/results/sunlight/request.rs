@@ -4,7 +4,7 @@
 use heliotile_requests::Request;
 use std::path::{Path, PathBuf};
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use super::calendar::DaySpan;
 use super::days::{DayPlan, SunnyHours};
@@ -27,8 +27,7 @@ use heliotile_core::weather::time::sun::Location;
 use heliotile_core::weather::time::years::Years;
 
 /// Request for minutes of possible sun on days, or for the verdicts of rules.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Request)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Request)]
 pub struct SunlightRequest {
     /// Days to compute, separated by commas: 03-21, 2026-03-21, 02-19..10-21 or year; with --rule,
     /// the days for rules that state none.

@@ -8,7 +8,7 @@ mod sources;
 use heliotile_requests::Request;
 use std::path::{Path, PathBuf};
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use crate::outputs::provenance::Provenance;
 use crate::resources::Resources;
@@ -29,8 +29,7 @@ pub use ladder::{LadderStep, LadderTable};
 pub use sources::SettingPoint;
 
 /// Request for a trade-off.
-#[derive(Clone, Debug, Serialize, Deserialize, Request)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Debug, Request)]
 pub struct TradeoffRequest {
     /// Scene to trace.
     #[field(flatten)]

@@ -7,8 +7,6 @@ mod receivers;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-use serde::{Deserialize, Serialize};
-
 use crate::covering::{CoverRequest, Density};
 use crate::horizon::black_below_horizon;
 use crate::resources::Resources;
@@ -39,8 +37,7 @@ use heliotile_scene::site::SceneFiles;
 use receivers::{SceneStates, UpdatedReceivers, cover, usual_spacing};
 
 /// Request for an update.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct UpdateRequest {
     /// Archive before the edits: a path or an address.
     pub before: PathBuf,

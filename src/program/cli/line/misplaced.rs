@@ -8,14 +8,15 @@ use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
 use clap::{ArgMatches, Command, FromArgMatches};
 
 use super::invocation::provenance;
-use crate::cli::{Asked, Cli, EverywhereArgs, Other, command_line, given};
+use crate::cli::{Asked, Cli, EverywhereArgs, Other, command_line, command_line_with, given};
 use heliotile::Provenance;
 use heliotile::cases;
 
 /// Parses the words of a command line, the program's name first. Ends the program if they ask for
 /// help or are wrong.
 pub fn parse(words: &[OsString]) -> (Cli, Provenance) {
-    let parsed = command_line().try_get_matches_from(words).and_then(|matches| {
+    let is_named = |name: &str| words.iter().any(|word| word == name);
+    let parsed = command_line_with(&is_named).try_get_matches_from(words).and_then(|matches| {
         let cli = cli_of(&matches).map_err(|error| error.format(&mut command_line()))?;
         let about = match &cli.command {
             Asked::Case(command, given) => provenance(command, given),

@@ -10,8 +10,6 @@ use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use serde::{Deserialize, Serialize};
-
 use super::original;
 use crate::resources::Resources;
 use heliotile_builder::accuracy::CONDITIONS;
@@ -39,8 +37,7 @@ const HOURS: usize = 8;
 const FEW: usize = 64;
 
 /// Request for an audit.
-#[derive(Clone, Debug, Serialize, Deserialize, Request)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Debug, Request)]
 pub struct AuditRequest {
     /// Archive to audit.
     #[field(positional, required, input = Archive)]
