@@ -70,7 +70,7 @@ pub use heliotile_core::error::{Error, Result};
 pub use heliotile_core::light::paths::LightPaths;
 pub use heliotile_core::light::radiosity::MaxBounces;
 pub use heliotile_core::memory::MemoryBudget;
-pub use heliotile_core::observer::{Observer, Silent};
+pub use heliotile_core::observer::{Observer, Silent, Tone};
 pub use heliotile_core::replay::components::{Component, ComponentList, ComponentSet};
 pub use heliotile_core::replay::factors::FACTORS;
 pub use heliotile_core::replay::reflectances::{Changes, ConstantOrFile, Snow};
@@ -203,7 +203,7 @@ pub mod tables {
 
 /// Words of messages.
 pub mod text {
-    pub use heliotile_core::text::{Named, counted, excerpt, with_fields, with_list, without_secrets};
+    pub use heliotile_core::text::{Message, Named, counted, excerpt, message, with_list, without_secrets};
 }
 
 /// Tracing: plans, conditions of accuracy, studies of the tracer.

@@ -1,6 +1,5 @@
 //! Summary of an atlas. In: an atlas. Out: text; the parts that are built.
 
-use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use crate::listed::ListedPart;
@@ -8,7 +7,7 @@ use crate::opened::Atlas;
 use crate::plan::PlannedPart;
 use crate::state::PartState;
 use heliotile_core::error::{Error, Result};
-use heliotile_core::text::counted;
+use heliotile_core::text::{Message, counted, message};
 
 /// Most missing parts that the summary names.
 const NAMED: usize = 8;
@@ -31,7 +30,7 @@ pub fn built(atlas: &Atlas) -> Result<Vec<(&PlannedPart, PathBuf)>> {
 }
 
 /// Describes an atlas: its parts, scene files, receivers, bytes and seams.
-pub fn info(atlas: &Atlas) -> Result<String> {
+pub fn info(atlas: &Atlas) -> Result<Message> {
     let plan = &atlas.plan;
     let (mut receivers, mut bytes, mut built, mut empty, mut missing) = (0, 0, 0, 0, Vec::new());
     for (part, state) in atlas.each_archive(|archive| (archive.manifest().receivers.count, archive.length()))? {
@@ -45,14 +44,13 @@ pub fn info(atlas: &Atlas) -> Result<String> {
             PartState::Missing => missing.push(part.name.as_str()),
         }
     }
-    let mut out = format!("{}\n", atlas.shown().display());
-    // Writing to a string cannot fail.
-    let mut line = |name: &str, text: String| {
-        let _ = writeln!(out, "  {name:<11} {text}");
+    let mut out = message!("{}\n", atlas.shown().display());
+    let mut line = |name: &str, text: Message| {
+        out = std::mem::take(&mut out).and(format!("  {name:<11} ")).and(text).and("\n");
     };
     line(
         "parts",
-        format!(
+        message!(
             "{} of {} m, with surroundings within {} m and farther ones that rise by {} degrees",
             plan.parts.len(),
             plan.cut.part_size_m,
@@ -60,22 +58,22 @@ pub fn info(atlas: &Atlas) -> Result<String> {
             plan.cut.skyline_deg
         ),
     );
-    line("scene", counted(plan.files.len() as u64, "file"));
-    line("built", format!("{built}: {}, {:.1} MB", counted(receivers, "receiver"), bytes as f64 / 1e6));
+    line("scene", counted(plan.files.len() as u64, "file").into());
+    line("built", message!("{built}: {}, {:.1} MB", counted(receivers, "receiver"), bytes as f64 / 1e6));
     if empty > 0 {
-        line("", format!("{empty} without receivers"));
+        line("", message!("{empty} without receivers"));
     }
     if let Some(first) = missing.first() {
         let more = if missing.len() > NAMED { ", ..." } else { "" };
         let named = missing.iter().take(NAMED).copied().collect::<Vec<_>>().join(", ");
-        line("to build", format!("{}: {named}{more} ({{command:build}} ATLAS {{part}} {first})", missing.len()));
+        line("to build", message!("{}: {named}{more} ({{command:build}} ATLAS {{part}} {first})", missing.len()));
     }
     if let Some(seams) = &plan.seams {
-        line("seams", seams.words());
+        line("seams", seams.words().into());
         let parts = seams.components_percent.iter().filter(|(_, percent)| **percent > 0.0);
         let parts: Vec<String> = parts.map(|(name, percent)| format!("{name} {percent} %")).collect();
         if !parts.is_empty() {
-            line("", parts.join(", "));
+            line("", parts.join(", ").into());
         }
     }
     Ok(out)

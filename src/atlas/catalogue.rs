@@ -18,7 +18,7 @@ use heliotile_builder::held::complete;
 use heliotile_core::archive::{Access, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::observer::Observer;
-use heliotile_core::text::counted;
+use heliotile_core::text::{counted, message};
 use heliotile_remote::places::open_archive;
 use heliotile_results::crs_of;
 use heliotile_results::outputs::provenance::Provenance;
@@ -63,7 +63,7 @@ pub fn catalogue(atlas: &Path, request: &CatalogueRequest, about: Provenance, ob
     let pictures = Thumbnails::of(&done.iter().map(|(_, path)| path.as_path()).collect::<Vec<_>>(), about)?;
     if pictures.without() > 0 {
         let parts = counted(pictures.without() as u64, "part");
-        observer.warn(&format!(
+        observer.warn(message!(
             "{parts} without a thumbnail: it needs a known place ({{crs}}) and a stored scene (no {{no_scene}})"
         ));
     }
@@ -92,9 +92,9 @@ pub fn catalogue(atlas: &Path, request: &CatalogueRequest, about: Provenance, ob
     write_texts(atlas, &[(COLLECTION, text(&json))])?;
     let missing = listed.iter().filter(|part| part.state == PartState::Missing).count();
     if missing > 0 {
-        observer.warn(&format!("{} not built yet and left out of the catalogue", counted(missing as u64, "part")));
+        observer.warn(format!("{} not built yet and left out of the catalogue", counted(missing as u64, "part")));
     }
-    observer.report(&format!("{}: {}\n", atlas.join(COLLECTION).display(), counted(items.len() as u64, "item")));
+    observer.report(format!("{}: {}\n", atlas.join(COLLECTION).display(), counted(items.len() as u64, "item")));
     Ok(())
 }
 

@@ -65,19 +65,20 @@ pub fn copy(atlas: &Atlas, to: &Path, replace: bool, observer: &dyn Observer) ->
     let (count, _) = one(&FILE.to_owned())?;
     drop(stage);
     if missing > 0 {
-        observer.warn(&format!("{} not built yet, and not copied", counted(missing, "part")));
+        observer.warn(format!("{} not built yet, and not copied", counted(missing, "part")));
     }
     let megabytes = bytes as f64 / 1e6;
     let all = counted(names.len() as u64 + 1, "file");
     let place = shown(to.place());
-    observer.report(&format!("{}: {all}, {} of them new, {megabytes:.2} MB\n", place.display(), sent + count));
+    observer.report(format!("{}: {all}, {} of them new, {megabytes:.2} MB\n", place.display(), sent + count));
     Ok(())
 }
 
 /// Returns true if the same atlas is already at `to`. An error: another atlas is there, as parts of
 /// two must not lie under one plan.
 fn check_place(to: &Directory, plan: &str) -> Result<bool> {
-    let refuse = |what: &str| Err(Error::input(&shown(to.place()), None, what, "copy the atlas to another place"));
+    let refuse =
+        |what: &'static str| Err(Error::input(&shown(to.place()), None, what, "copy the atlas to another place"));
     if !to.is_remote() && to.place().exists() && !to.place().is_dir() {
         return refuse("is a file, and an atlas is a folder");
     }

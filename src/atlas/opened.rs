@@ -1,6 +1,7 @@
 //! An open atlas, in a folder or below an address. In: its place. Out: its plan, read once; the
 //! state of its parts; their archives.
 
+use heliotile_core::text::message;
 use std::path::Path;
 
 use glam::DVec2;
@@ -49,7 +50,7 @@ pub fn check_square(archive: &Archive, part: &str, low: DVec2, high: DVec2, reac
         return Ok(());
     }
     let what = format!("holds receivers outside the square of part {part}");
-    let hint = format!(
+    let hint = message!(
         "it belongs to another part: build {part} again with {{command:build}} ATLAS {{part}} {part} {{fresh}}"
     );
     Err(Error::input(archive.path(), None, what, hint))
@@ -155,7 +156,7 @@ impl Atlas {
             let archive = |(_, state)| if let PartState::Built(archive) = state { Some(archive) } else { None };
             return Ok(parts.into_iter().filter_map(archive).collect());
         };
-        let hint = format!(
+        let hint = message!(
             "build it with {{command:build}} {} {{part}} {first}, or choose other parts with {{bbox}}",
             self.shown().display()
         );

@@ -4,6 +4,7 @@
 //! after the other. Below an address, the archive is published when it is whole, unless one is
 //! there.
 
+use heliotile_core::text::message;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::thread;
@@ -86,7 +87,7 @@ impl PartBuild<'_> {
         let there = atlas.folder.has(&[part.archive(), part.empty_marker()], atlas.plan.parts.len())?;
         if !request.fresh && there.contains(&true) {
             observer
-                .report(&format!("{}: built already, nothing is traced again ({{fresh}} replaces it)\n", part.name));
+                .report(message!("{}: built already, nothing is traced again ({{fresh}} replaces it)\n", part.name));
             return Ok(());
         }
         // The part is built here first, so that readers never find one that is incomplete.
@@ -109,7 +110,7 @@ impl PartBuild<'_> {
                 let copied = heliotile_remote::copy(&built, &place, request.fresh, observer)?;
                 let megabytes = copied.bytes as f64 / 1e6;
                 let was_there = if copied.was_there { ", uploaded by another process already" } else { "" };
-                observer.report(&format!("{}: {megabytes:.2} MB{was_there}\n", shown(&place).display()));
+                observer.report(format!("{}: {megabytes:.2} MB{was_there}\n", shown(&place).display()));
             }
         }
         Ok(())
@@ -126,7 +127,7 @@ impl PartBuild<'_> {
         };
         if found.is_none() {
             self.observer
-                .note(&format!("{} has no built part {name}: the whole part is traced", atlas.shown().display()));
+                .note(format!("{} has no built part {name}: the whole part is traced", atlas.shown().display()));
         }
         Ok(found)
     }
@@ -143,7 +144,7 @@ impl PartBuild<'_> {
                 let hint = "make another atlas with `{command:partition}`, restore the earlier file, or build this part from the present file with {fresh}";
                 return Err(Error::input(&file, None, what, hint));
             }
-            observer.warn(&format!("{}: {what}", file.display()));
+            observer.warn(format!("{}: {what}", file.display()));
         }
         let (scene, covered) = cover_site(&site, &plan.cut.cover, observer)?;
         if covered.count(Placement::Free) == 0 {
@@ -156,7 +157,7 @@ impl PartBuild<'_> {
                 fs::remove_file(&archive).map_err(Error::io(&archive, "remove"))?;
             }
             write_texts(folder, &[(NOTHING, "No requested surface gets light here.\n".to_owned())])?;
-            observer.report(&format!("{}: no receiver, nothing to build\n", part.name));
+            observer.report(format!("{}: no receiver, nothing to build\n", part.name));
             return Ok(());
         }
         let before = self.before_part()?;
@@ -170,7 +171,7 @@ impl PartBuild<'_> {
         };
         let within =
             SiteFolder { folder, archive: &folder.join(ARCHIVE), replace: request.fresh, named_by: FolderOption::Part };
-        observer.report(&format!("{}: {files} of {} files near it\n", part.name, plan.files.len()));
+        observer.report(format!("{}: {files} of {} files near it\n", part.name, plan.files.len()));
         build.ensure(&within, observer)?;
         observer.stop_if_cancelled("after a part was complete")
     }
@@ -187,7 +188,7 @@ fn lock_part(folder: &Path, observer: &dyn Observer) -> Result<FileLock> {
             return Ok(lock);
         }
         if !is_waiting {
-            observer.report(&format!("{}: another process builds it, waiting\n", folder.display()));
+            observer.report(format!("{}: another process builds it, waiting\n", folder.display()));
             is_waiting = true;
         }
         observer.stop_if_cancelled("while another process built the part")?;

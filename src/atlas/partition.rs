@@ -61,7 +61,7 @@ pub fn partition(request: &PartitionRequest, observer: &dyn Observer) -> Result<
         return Err(Error::argument("on", "no scene file has objects for receivers", hint));
     }
     if cut.halo_m < NARROW_M {
-        observer.warn(&format!("a halo of {} m leaves out neighbours that matter: 300 m is usual", cut.halo_m));
+        observer.warn(format!("a halo of {} m leaves out neighbours that matter: 300 m is usual", cut.halo_m));
     }
     if request.sample > 0 {
         let folder = tempfile::tempdir().map_err(Error::io(&std::env::temp_dir(), "make a folder in"))?;

@@ -2,6 +2,7 @@
 //! lie. Out: parts with their places and the site of each, the same wherever and whenever it is
 //! read.
 
+use heliotile_core::text::message;
 use heliotile_core::units::parse_metres;
 use heliotile_requests::Request;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -137,7 +138,7 @@ impl AtlasPlan {
                     *touched.entry([x, y]).or_default() += usize::from(!is_wider);
                     if touched.len() > MOST_PARTS {
                         let (what, max) = ("the number of parts".to_owned(), MOST_PARTS as u64);
-                        return Err(Error::Limit { what, value: max + 1, max });
+                        return Err(Error::Limit { what: what.into(), value: max + 1, max });
                     }
                 }
             }
@@ -188,9 +189,9 @@ impl AtlasPlan {
             serde_json::from_slice(bytes).map_err(|error| refuse(format!("is no plan of an atlas: {error}")))?;
         if stated.heliotile_atlas != LAYOUT {
             return Err(Error::Unsupported {
-                what: format!("layout of {}", path.display()),
+                what: format!("layout of {}", path.display()).into(),
                 found: stated.heliotile_atlas.to_string(),
-                supported: format!("{LAYOUT} only: cut the region again with `{{command:partition}}`"),
+                supported: message!("{LAYOUT} only: cut the region again with `{{command:partition}}`"),
             });
         }
         let plan: AtlasPlan = serde_json::from_slice(bytes).map_err(|error| refuse(error.to_string()))?;

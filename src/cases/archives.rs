@@ -1,5 +1,6 @@
 //! Requests of commands on archives, atlases and pages.
 
+use heliotile_core::text::Message;
 use std::path::{Path, PathBuf};
 
 use heliotile_atlas::ExportRequest;
@@ -208,7 +209,7 @@ pub struct Export {
     pub memory: MemoryBudget,
 }
 
-fn export_help() -> String {
+fn export_help() -> Message {
     table_help("File to write: .exr or .png for a receiver; for view factors")
 }
 

@@ -6,7 +6,7 @@ use std::path::Path;
 use heliotile_builder::writing::claim::OutputGuard;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::text::without_secrets;
-use heliotile_requests::{Many, Problem, Request, Row, complete, filled};
+use heliotile_requests::{Many, Request, Row, complete, filled};
 use serde_json::{Map, Number, Value};
 
 use super::ready::ready;
@@ -29,28 +29,11 @@ pub fn prepared<R: Request + Default>(
     known: &[&str],
     in_memory: &dyn Fn(&Path) -> bool,
 ) -> Result<Prepared<R>> {
-    let rows = R::rows();
     let names: Vec<&str> = given.iter().map(|(name, _)| name.as_str()).chain(known.iter().copied()).collect();
-    let request = filled::<R>(given).map_err(|(field, what)| wrong(&rows, &field, &what))?;
-    complete(&rows, &R::groups(), &names)
-        .map_err(|Problem { field, what, hint }| Error::argument(field, what, hint))?;
+    let request = filled::<R>(given).map_err(Error::refused)?;
+    complete(&R::rows(), &R::groups(), &names).map_err(Error::refused)?;
     let claimed = ready(&request, names.contains(&"geo"), in_memory)?;
     Ok(Prepared { request, _claimed: claimed })
-}
-
-/// Returns the error of a text that cannot be read. Advice is what follows a colon or begins with
-/// `give`.
-fn wrong(rows: &[Row], field: &str, what: &str) -> Error {
-    let choices = rows.iter().find(|row| row.name == field).map_or(Vec::new(), |row| (row.form.choices)());
-    if let Some((unknown, _)) = what.split_once("; known values: ").filter(|_| !choices.is_empty()) {
-        let names: Vec<&str> = choices.iter().map(|(name, _)| *name).collect();
-        return Error::argument(field, unknown, format!("give one of {}", names.join(", ")));
-    }
-    match what.split_once(": give ") {
-        Some((what, hint)) => Error::argument(field, what, format!("give {hint}")),
-        None if what.starts_with("give ") => Error::argument(field, "cannot be used", what),
-        None => Error::argument(field, what, "give another value"),
-    }
 }
 
 /// Returns the fields that change values with their texts, or with those of their defaults, for

@@ -1,5 +1,6 @@
 //! Requests of commands that compute light from archives.
 
+use heliotile_core::text::Message;
 use std::path::{Path, PathBuf};
 
 use heliotile_builder::spill::parse_memory;
@@ -220,13 +221,13 @@ pub struct Rules {
     pub name: Option<String>,
 }
 
-fn summary_help() -> String {
+fn summary_help() -> Message {
     table_help(
         "Table to write with a row for each AFTER: means, and how many receivers, windows and buildings lose more than 5, 10 and 20 %",
     )
 }
 
-fn unmatched_help() -> String {
+fn unmatched_help() -> Message {
     table_help("Table to write of the receivers that only one of the archives holds")
 }
 

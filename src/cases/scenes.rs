@@ -11,7 +11,7 @@ use heliotile_builder::writing::guards::{guard_output, guard_site};
 use heliotile_core::error::Result;
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::observer::Observer;
-use heliotile_core::text::counted;
+use heliotile_core::text::{Message, counted};
 use heliotile_core::units::parse_metres;
 use heliotile_core::weather::options::WeatherOptions;
 use heliotile_energyplus::EnergyplusRequest;
@@ -326,7 +326,7 @@ impl Receivers {
 
 impl Receivers {
     /// Writes the tables. Returns a summary.
-    pub fn write(&self, observer: &dyn Observer) -> Result<String> {
+    pub fn write(&self, observer: &dyn Observer) -> Result<Message> {
         let (site, output) = (self.scene.site()?, self.output());
         let to_file = output != Path::new("-");
         if to_file {
@@ -341,7 +341,9 @@ impl Receivers {
             }
             let points = along.points(&site, observer)?;
             write_points(output, &points)?;
-            return Ok(format!("{}, {} m above the road\n", counted(points.len() as u64, "receiver"), along.height_m));
+            return Ok(
+                format!("{}, {} m above the road\n", counted(points.len() as u64, "receiver"), along.height_m).into()
+            );
         }
         let (scene, covered) = cover_site(&site, &self.cover, observer)?;
         // A build warns of them itself.

@@ -87,8 +87,8 @@ impl heliotile_requests::Parse for MemoryBudget {
         heliotile_requests::Form::TEXT
     }
 
-    fn parse(text: &str) -> Result<Self, String> {
-        text.parse::<Bytes>().map(MemoryBudget::from)
+    fn parse(text: &str) -> Result<Self, heliotile_requests::Wrong> {
+        Ok(MemoryBudget::from(text.parse::<Bytes>()?))
     }
 }
 

@@ -3,7 +3,7 @@
 
 use crate::error::{Error, Result};
 
-pub use heliotile_requests::{Form, Parse};
+pub use heliotile_requests::{Form, Parse, Problem, Wrong};
 
 /// A type with a few values that have names.
 pub trait NamedValues: Clone + Send + Sync + 'static {
@@ -13,18 +13,19 @@ pub trait NamedValues: Clone + Send + Sync + 'static {
 
 /// Returns the value of a name; `argument` is the field that an error names.
 pub fn by_name<T: NamedValues>(argument: &str, name: &str) -> Result<T> {
-    let refuse = |_| {
+    let refuse = |wrong: Wrong| {
         Error::argument(argument, format!("`{name}` is not a known value"), format!("give one of {}", names::<T>()))
+            .because(wrong.problem)
     };
     of_name(name).map_err(refuse)
 }
 
 /// Returns the value of a name, or a sentence that lists the known names.
-pub fn of_name<T: NamedValues>(name: &str) -> std::result::Result<T, String> {
+pub fn of_name<T: NamedValues>(name: &str) -> std::result::Result<T, Wrong> {
     let found = T::VALUES.iter().find(|(known, _, _)| *known == name);
     found
         .map(|(_, _, value)| value.clone())
-        .ok_or_else(|| format!("`{name}` is not a known value; known values: {}", names::<T>()))
+        .ok_or_else(|| Wrong::unknown(name, T::VALUES.iter().map(|(name, ..)| *name)))
 }
 
 fn names<T: NamedValues>() -> String {
@@ -45,7 +46,7 @@ macro_rules! parse_by_name {
                 $crate::named::Form { choices: $crate::named::choices::<$type>, ..$crate::named::Form::TEXT }
             }
 
-            fn parse(text: &str) -> ::std::result::Result<Self, ::std::string::String> {
+            fn parse(text: &str) -> ::std::result::Result<Self, $crate::named::Wrong> {
                 $crate::named::of_name(text)
             }
         }

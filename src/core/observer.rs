@@ -2,7 +2,7 @@
 //! turns into bars, lines or nothing. The library itself never prints.
 
 use crate::error::{Error, Result};
-use crate::text::{Named, with_fields};
+use crate::text::Message;
 
 /// Receiver of the progress and the messages of long work. All methods may be called from any
 /// thread.
@@ -16,21 +16,12 @@ pub trait Observer: Sync {
     /// Ends a stage.
     fn end(&self, _stage: &'static str) {}
 
-    /// Takes a warning that the user should see; the work goes on.
-    fn warn(&self, _text: &str) {}
+    /// Takes a message.
+    fn tell(&self, _tone: Tone, _message: Message) {}
 
-    /// Takes a note that the user may want to see; nothing is wrong.
-    fn note(&self, _text: &str) {}
-
-    /// Takes a report of work that is done or about to begin, in lines that end with a line break.
-    fn report(&self, _text: &str) {}
-
-    /// Returns `text` with the fields that it names in braces, as in `{every}`, in the words of
-    /// this observer's user.
-    fn in_words(&self, text: &str) -> String {
-        with_fields(text, &|named| match named {
-            Named::Field(name) | Named::Command(name) => Some(name.to_owned()),
-        })
+    /// Returns a message in the words of this observer's user.
+    fn in_words(&self, message: &Message) -> String {
+        message.plain()
     }
 
     /// Returns true if the work is to stop at the next place where it can go on later.
@@ -44,6 +35,34 @@ pub trait Observer: Sync {
         if self.cancelled() { Err(Error::Stopped { what: what.to_owned() }) } else { Ok(()) }
     }
 }
+/// Kind of a message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tone {
+    /// Warning that the user should see; the work goes on.
+    Warning,
+    /// Note that the user may want to see; nothing is wrong.
+    Note,
+    /// Report of work that is done or about to begin, in lines that end with a line break.
+    Report,
+}
+
+impl dyn Observer + '_ {
+    /// Hands on a warning.
+    pub fn warn(&self, text: impl Into<Message>) {
+        self.tell(Tone::Warning, text.into());
+    }
+
+    /// Hands on a note.
+    pub fn note(&self, text: impl Into<Message>) {
+        self.tell(Tone::Note, text.into());
+    }
+
+    /// Hands on a report.
+    pub fn report(&self, text: impl Into<Message>) {
+        self.tell(Tone::Report, text.into());
+    }
+}
+
 /// Observer that ignores everything and never stops the work.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Silent;

@@ -1,5 +1,7 @@
 //! Texts of messages. In: numbers, names and places. Out: the words of a message, without secrets.
 
+pub use heliotile_requests::{Message, Named, Words, message};
+
 /// Returns a number of things in words: "1 tile", "2 tiles".
 pub fn counted(count: u64, thing: &str) -> String {
     format!("{count} {thing}{}", if count == 1 { "" } else { "s" })
@@ -38,8 +40,8 @@ pub fn without_secrets(place: &str) -> String {
 }
 
 /// Returns a sentence followed by a list, one item a line. A program may show the first line only.
-pub fn with_list(sentence: &str, list: impl IntoIterator<Item = String>) -> String {
-    list.into_iter().fold(sentence.to_owned(), |text, item| text + "\n  " + &item)
+pub fn with_list(sentence: impl Into<Message>, list: impl IntoIterator<Item = String>) -> Message {
+    list.into_iter().fold(sentence.into(), |text, item| text.and(format!("\n  {item}")))
 }
 
 /// Returns advice for the header of a table that is not separated by commas; `None` if it is.
@@ -53,53 +55,6 @@ pub fn separator_hint(header: &str) -> Option<&'static str> {
         (_, true) => Some("separate the columns by commas in place of tabs"),
         _ => None,
     }
-}
-
-/// A name in braces in a text, which each interface replaces by its own words.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Named<'a> {
-    /// A field of a request, as in `{every} month`.
-    Field(&'a str),
-    /// A command on files, as in `{command:verify} site.helio`. An underscore precedes its mode:
-    /// `{command:verify_deep}`.
-    Command(&'a str),
-}
-
-impl<'a> Named<'a> {
-    fn of(text: &'a str) -> Option<Self> {
-        let is_name =
-            |name: &str| !name.is_empty() && name.bytes().all(|byte| byte.is_ascii_lowercase() || byte == b'_');
-        match text.strip_prefix("command:") {
-            Some(command) => is_name(command).then_some(Named::Command(command)),
-            None => is_name(text).then_some(Named::Field(text)),
-        }
-    }
-}
-
-/// Function from a name in a text to the user's name of the thing; `None` if there is no such
-/// thing.
-pub type Words<'a> = dyn Fn(Named) -> Option<String> + 'a;
-
-/// Returns a text with the user's names in place of the request fields and commands that it names
-/// in braces, as in `{every} month`. Braces around anything else stay.
-pub fn with_fields(text: &str, words: &Words) -> String {
-    let mut out = String::with_capacity(text.len());
-    let mut rest = text;
-    while let Some((before, behind)) = rest.split_once('{') {
-        out += before;
-        let known = behind.split_once('}').and_then(|(named, behind)| Some((words(Named::of(named)?)?, behind)));
-        match known {
-            Some((words, behind)) => {
-                out += &words;
-                rest = behind;
-            }
-            None => {
-                out.push('{');
-                rest = behind;
-            }
-        }
-    }
-    out + rest
 }
 
 #[cfg(test)]
@@ -143,22 +98,6 @@ mod tests {
         assert!(separator_hint("receiver\tx\ty").is_some_and(|hint| hint.contains("tabs")));
         for header in ["receiver,x,y", "receiver", "a;b,c"] {
             assert_eq!(separator_hint(header), None, "{header}");
-        }
-    }
-
-    /// Three of 3 fields and commands get the user's names. Braces around other text and around
-    /// unknown names stay.
-    #[test]
-    fn names_in_braces_become_those_of_the_user() {
-        let words = |named: Named| match named {
-            Named::Field("nothing") => None,
-            Named::Field(field) => Some(format!("--{}", field.replace('_', "-"))),
-            Named::Command(command) => Some(format!("heliotile {command}")),
-        };
-        assert_eq!(with_fields("give {min_area} 0, or {every} month", &words), "give --min-area 0, or --every month");
-        assert_eq!(with_fields("run `{command:verify} a.helio`", &words), "run `heliotile verify a.helio`");
-        for text in ["found {\"a\": 1} and {", "a{nothing}.csv", "{command:} {a:b} {}"] {
-            assert_eq!(with_fields(text, &words), text);
         }
     }
 }

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::document::{Document, Form, ModelObject};
 use heliotile_core::error::{Error, Result};
-use heliotile_core::text::with_list;
+use heliotile_core::text::{Message, message, with_list};
 use heliotile_scene::ModelVersion;
 
 /// EnergyPlus version whose rules were measured.
@@ -94,7 +94,7 @@ fn version_note(document: &Document, assumed: Option<ModelVersion>) -> Result<Op
 }
 
 /// Returns the hint how to convert a model of a version to one that runs.
-fn how_to_bring(form: Form, version: &str) -> String {
+fn how_to_bring(form: Form, version: &str) -> Message {
     let newer = ModelVersion::parse(version).is_some_and(|version| version > VERSION);
     let way = match form {
         _ if newer => format!(
@@ -108,7 +108,7 @@ fn how_to_bring(form: Form, version: &str) -> String {
              reads IDF only"
         ),
     };
-    format!("{way}; if EnergyPlus {VERSION} runs it as it is, give {{assume_version}} {VERSION}")
+    message!("{way}; if EnergyPlus {VERSION} runs it as it is, give {{assume_version}} {VERSION}")
 }
 
 fn check_names(document: &Document) -> Result<()> {
@@ -147,11 +147,12 @@ pub fn openings_left_out(document: &Document, injected: &BTreeSet<String>) -> Ve
 
 /// Returns warnings of results that EnergyPlus will get wrong under injection. `injected` are names
 /// in small letters.
-pub fn warnings(document: &Document, assumed: Option<ModelVersion>, injected: &BTreeSet<String>) -> Vec<String> {
-    let mut found: Vec<String> = version_note(document, assumed).ok().flatten().into_iter().collect();
+pub fn warnings(document: &Document, assumed: Option<ModelVersion>, injected: &BTreeSet<String>) -> Vec<Message> {
+    let mut found: Vec<Message> =
+        version_note(document, assumed).ok().flatten().into_iter().map(Message::from).collect();
     let mut say = |what: &str, names: Vec<String>| {
         if !names.is_empty() {
-            found.push(with_list(&format!("{what} ({})", names.len()), names));
+            found.push(with_list(format!("{what} ({})", names.len()), names));
         }
     };
     let controls = |place, key: &'static str, words: &'static [&'static str]| -> Vec<String> {

@@ -9,6 +9,7 @@ use super::sun_tables::{GroundLine, NOMINAL_W_M2, ReflectedSky, SurfaceLight};
 use heliotile_core::error::Result;
 use heliotile_core::replay::factors::SunGrid;
 use heliotile_core::site::ground::MonthlyGround;
+use heliotile_core::text::Message;
 use heliotile_scene::{GROUND_MONTHS, USUAL_GROUND};
 
 /// Sun tables below this everywhere are not written, W/m2 under 1000 W/m2.
@@ -49,7 +50,7 @@ pub struct Injection<'a> {
 #[derive(Debug, Default)]
 pub struct Changed {
     /// Sentences for the report.
-    pub notes: Vec<String>,
+    pub notes: Vec<Message>,
     pub tables: usize,
 }
 
@@ -69,7 +70,7 @@ pub fn ground_of(document: &Document) -> MonthlyGround {
 /// Writes all objects of an injection into the model.
 pub fn write(document: &mut Document, injection: &Injection) -> Result<Changed> {
     let mut changed = Changed::default();
-    changed.notes.extend(switch_distribution(document)?);
+    changed.notes.extend(switch_distribution(document)?.into_iter().map(Message::from));
     // The actuator multiplies the ground's light, so the ground must reflect something.
     let bare = brighten_ground(document, &mut changed.notes)?;
     let names = Names::free(document.objects.iter().map(ModelObject::name));
@@ -232,7 +233,7 @@ pub fn switch_distribution(document: &mut Document) -> Result<Option<String>> {
 
 /// Sets months without ground reflectance to [`LEAST_GROUND`]; the programs subtract its light
 /// again. Returns these months, from 1.
-pub fn brighten_ground(document: &mut Document, notes: &mut Vec<String>) -> Result<Vec<usize>> {
+pub fn brighten_ground(document: &mut Document, notes: &mut Vec<Message>) -> Result<Vec<usize>> {
     let mut bare = Vec::new();
     for ((month, value), key) in ground_of(document).reflectance.into_iter().enumerate().zip(GROUND_MONTHS) {
         if value == 0.0 {
@@ -245,7 +246,7 @@ pub fn brighten_ground(document: &mut Document, notes: &mut Vec<String>) -> Resu
             "the ground reflects nothing in {} of 12 months: its reflectance is set to {LEAST_GROUND} there, because injected light is a \
              multiple of the ground's light; the programs subtract the ground's own light",
             bare.len()
-        ));
+        ).into());
     }
     Ok(bare)
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::document::{Document, FieldEdit, Form, ModelObject};
 use heliotile_core::error::{Error, Result};
-use heliotile_core::text::with_list;
+use heliotile_core::text::{Message, with_list};
 
 /// Classes whose objects name a file, with the field number and the key of the name (Input Output
 /// Reference 25.2).
@@ -29,9 +29,9 @@ const NAMES: [(&str, usize, &str); 12] = [
 #[derive(Debug, Default, PartialEq)]
 pub struct NamedFiles {
     /// Sentences on the changes.
-    pub notes: Vec<String>,
+    pub notes: Vec<Message>,
     /// Sentences on files that the user has to copy.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Message>,
 }
 
 /// Writes names of files as absolute paths: EnergyPlus looks for relative ones beside the model,

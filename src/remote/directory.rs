@@ -64,7 +64,7 @@ impl Directory {
         let Some(file) = stored::find(&place, false, sure)? else { return Ok(None) };
         if file.length() > MOST_BYTES {
             let what = format!("bytes of {}", shown(&place).display());
-            return Err(Error::Limit { what, value: file.length(), max: MOST_BYTES });
+            return Err(Error::Limit { what: what.into(), value: file.length(), max: MOST_BYTES });
         }
         let length = usize::try_from(file.length()).unwrap_or(usize::MAX);
         file.copy_at(0, length).map(Some).map_err(Error::unread(&shown(&place)))

@@ -1,6 +1,7 @@
 //! The one entry to archives that are read. In: a path, or the address of an object. Out: the
 //! archive there, or the archive that a pointer there leads to.
 
+use heliotile_core::text::Message;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -74,7 +75,7 @@ pub fn require_file(place: &Path, why: &str) -> Result<()> {
     if !is_address(place) {
         return Ok(());
     }
-    let hint = format!("fetch it first: {{command:copy}} {} FILE", shown(place).display());
+    let hint = Message::from("fetch it first: {command:copy} ").and(format!("{} FILE", shown(place).display()));
     Err(Error::input(&shown(place), None, format!("is an address: {why}"), hint))
 }
 

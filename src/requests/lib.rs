@@ -6,13 +6,20 @@
 
 #![deny(missing_docs)]
 
+mod message;
+mod problem;
+#[cfg(test)]
+mod tests;
+
 #[cfg(test)]
 extern crate self as heliotile_requests;
 
 use std::num::ParseIntError;
 use std::path::{Path, PathBuf};
 
-pub use heliotile_requests_derive::Request;
+pub use heliotile_requests_derive::{Request, message};
+pub use message::{Message, Named, Piece, Words};
+pub use problem::{Problem, Refused, Wrong, complete};
 
 /// Request of a user: a struct with defaults, whose fields faces fill.
 pub trait Request {
@@ -25,7 +32,7 @@ pub trait Request {
 
     /// Fills a field from texts. Returns false if there is no field of this name; an error says
     /// what is wrong with a text.
-    fn fill(&mut self, name: &str, texts: &[String]) -> Result<bool, String>;
+    fn fill(&mut self, name: &str, texts: &[String]) -> Result<bool, Wrong>;
 
     /// Hands on every file that the request names.
     fn files(&self, each: &mut dyn FnMut(&'static str, Role, &Path));
@@ -33,11 +40,6 @@ pub trait Request {
     /// Returns the fields whose files are others than their kind says.
     fn skips(&self) -> Vec<&'static str> {
         Vec::new()
-    }
-
-    /// Checks what rows cannot say. An error names the field and says what is wrong.
-    fn check(&self) -> Result<(), (&'static str, String)> {
-        Ok(())
     }
 }
 
@@ -53,7 +55,7 @@ pub struct Row {
     /// Placeholder of the value, if it is not the name in capital letters.
     pub metavar: Option<&'static str>,
     /// Explanation of the field.
-    pub help: String,
+    pub help: Message,
     /// Heading above the field and its neighbours.
     pub heading: Option<&'static str>,
     /// Effect of the field on results and files.
@@ -81,7 +83,7 @@ pub struct Row {
     /// Fields that must not be filled too.
     pub conflicts: &'static [&'static str],
     /// Says what is wrong with a text.
-    pub test: fn(&str) -> Result<(), String>,
+    pub test: fn(&str) -> Result<(), Wrong>,
 }
 
 impl Row {
@@ -225,7 +227,7 @@ pub trait Parse: Sized {
     fn form() -> Form;
 
     /// Reads a value. An error says what is wrong and what to give.
-    fn parse(text: &str) -> Result<Self, String>;
+    fn parse(text: &str) -> Result<Self, Wrong>;
 
     /// Returns the file that a value names.
     fn path(&self) -> Option<&Path> {
@@ -238,7 +240,7 @@ impl Parse for String {
         Form::TEXT
     }
 
-    fn parse(text: &str) -> Result<Self, String> {
+    fn parse(text: &str) -> Result<Self, Wrong> {
         Ok(text.to_owned())
     }
 }
@@ -248,8 +250,8 @@ impl Parse for PathBuf {
         Form::PATH
     }
 
-    fn parse(text: &str) -> Result<Self, String> {
-        if text.is_empty() { Err("a value is required".to_owned()) } else { Ok(text.into()) }
+    fn parse(text: &str) -> Result<Self, Wrong> {
+        if text.is_empty() { Err("a value is required".into()) } else { Ok(text.into()) }
     }
 
     fn path(&self) -> Option<&Path> {
@@ -262,23 +264,29 @@ impl Parse for f64 {
         Form::NUMBER
     }
 
-    fn parse(text: &str) -> Result<Self, String> {
+    fn parse(text: &str) -> Result<Self, Wrong> {
         match text.parse::<f64>() {
             Ok(number) if number.is_finite() => Ok(number),
-            _ => Err(format!("`{text}` is not a number")),
+            _ => Err(unreadable(text, format!("`{text}` is not a number"))),
         }
     }
 }
 
 macro_rules! whole_numbers {
     ($($number:ty),+) => {$(
+        impl Number for $number {
+            fn as_f64(&self) -> f64 {
+                *self as f64
+            }
+        }
+
         impl Parse for $number {
             fn form() -> Form {
                 Form::WHOLE
             }
 
-            fn parse(text: &str) -> Result<Self, String> {
-                text.parse().map_err(|error: ParseIntError| error.to_string())
+            fn parse(text: &str) -> Result<Self, Wrong> {
+                text.parse().map_err(|error: ParseIntError| unreadable(text, error.to_string()))
             }
         }
     )+};
@@ -292,9 +300,9 @@ impl<const N: usize> Parse for [f64; N] {
         Form::TEXT
     }
 
-    fn parse(text: &str) -> Result<Self, String> {
+    fn parse(text: &str) -> Result<Self, Wrong> {
         let numbers: Vec<f64> = text.split(',').map(|part| f64::parse(part.trim())).collect::<Result<_, _>>()?;
-        numbers.try_into().map_err(|_| format!("give {N} numbers, separated by commas"))
+        numbers.try_into().map_err(|_| unreadable(text, format!("give {N} numbers, separated by commas")))
     }
 }
 
@@ -303,7 +311,7 @@ impl<T: Parse> Parse for Box<T> {
         T::form()
     }
 
-    fn parse(text: &str) -> Result<Self, String> {
+    fn parse(text: &str) -> Result<Self, Wrong> {
         T::parse(text).map(Box::new)
     }
 
@@ -321,16 +329,12 @@ impl<R: Request> Request for Box<R> {
         R::groups()
     }
 
-    fn fill(&mut self, name: &str, texts: &[String]) -> Result<bool, String> {
+    fn fill(&mut self, name: &str, texts: &[String]) -> Result<bool, Wrong> {
         self.as_mut().fill(name, texts)
     }
 
     fn files(&self, each: &mut dyn FnMut(&'static str, Role, &Path)) {
         self.as_ref().files(each);
-    }
-
-    fn check(&self) -> Result<(), (&'static str, String)> {
-        self.as_ref().check()
     }
 }
 
@@ -340,7 +344,7 @@ impl<T: Parse> Parse for (String, T) {
         Form::TEXT
     }
 
-    fn parse(text: &str) -> Result<Self, String> {
+    fn parse(text: &str) -> Result<Self, Wrong> {
         let (name, value) = text.split_once('=').filter(|(name, _)| !name.is_empty()).ok_or("give NAME=VALUE")?;
         Ok((name.to_owned(), T::parse(value)?))
     }
@@ -350,7 +354,7 @@ impl<T: Parse> Parse for (String, T) {
     }
 }
 
-/// Implements [`Parse`] for types that implement `FromStr` with a text as error.
+/// Implements [`Parse`] for types that implement `FromStr` with an error that becomes [`Wrong`].
 #[macro_export]
 macro_rules! parse_by_text {
     ($($type:ty: $form:expr),+ $(,)?) => {$(
@@ -359,38 +363,58 @@ macro_rules! parse_by_text {
                 $form
             }
 
-            fn parse(text: &str) -> ::std::result::Result<Self, ::std::string::String> {
-                text.parse().map_err(|error| ::std::string::ToString::to_string(&error))
+            fn parse(text: &str) -> ::std::result::Result<Self, $crate::Wrong> {
+                text.parse().map_err(::std::convert::Into::into)
             }
         }
     )+};
 }
 
 /// Returns the last text, which counts if an option is repeated. For the derive.
-pub fn last(texts: &[String]) -> Result<&str, String> {
-    texts.last().map(String::as_str).ok_or_else(|| "a value is required".to_owned())
+pub fn last(texts: &[String]) -> Result<&str, Wrong> {
+    texts.last().map(String::as_str).ok_or_else(|| "a value is required".into())
 }
 
 /// Returns the value of a flag: true without a text. For the derive.
-pub fn flag(texts: &[String]) -> Result<bool, String> {
+pub fn flag(texts: &[String]) -> Result<bool, Wrong> {
     match texts.last().map(String::as_str) {
         None | Some("true" | "True") => Ok(true),
         Some("false" | "False") => Ok(false),
-        Some(other) => Err(format!("`{other}` is neither true nor false")),
+        Some(other) => Err(unreadable(other, format!("`{other}` is neither true nor false"))),
     }
 }
 
 /// Returns a number within a range; `says` is the answer to any other text. For the derive.
-pub fn within<T: PartialOrd + std::fmt::Display>(
-    read: Result<T, String>,
+pub fn within<T: Number>(
+    read: Result<T, Wrong>,
     text: &str,
     range: std::ops::RangeInclusive<T>,
     says: Option<&str>,
-) -> Result<T, String> {
-    match read {
-        Ok(number) if range.contains(&number) => Ok(number),
-        _ => Err(says.map_or_else(|| format!("{text} is not in {}..={}", range.start(), range.end()), str::to_owned)),
+) -> Result<T, Wrong> {
+    let (least, most) = (range.start(), range.end());
+    let problem = match read {
+        Ok(number) if range.contains(&number) => return Ok(number),
+        Ok(number) => Problem::OutOfRange { found: number.as_f64(), least: least.as_f64(), most: most.as_f64() },
+        Err(wrong) => wrong.problem,
+    };
+    let what = says.map_or_else(|| format!("{text} is not in {least}..={most}"), str::to_owned);
+    Err(Wrong { problem, what })
+}
+
+/// Number with a range.
+pub trait Number: PartialOrd + std::fmt::Display {
+    /// Returns the number as `f64`.
+    fn as_f64(&self) -> f64;
+}
+
+impl Number for f64 {
+    fn as_f64(&self) -> f64 {
+        *self
     }
+}
+
+fn unreadable(text: &str, what: String) -> Wrong {
+    Wrong { problem: Problem::Unreadable { found: text.to_owned() }, what }
 }
 
 /// How a struct shows the rows of a flattened one. For the derive.
@@ -428,189 +452,24 @@ pub fn groups_under<R: Request>(without: &[&str]) -> Vec<Group> {
     groups
 }
 
-/// Fills the fields of a request, each with its texts. An error names the field.
-pub fn filled<R: Request + Default>(given: &[(String, Vec<String>)]) -> Result<R, (String, String)> {
+/// Fills the fields of a request, each with its texts.
+pub fn filled<R: Request + Default>(given: &[(String, Vec<String>)]) -> Result<R, Refused> {
+    let refused = |field: &str, Wrong { problem, what }: Wrong| Refused {
+        fields: vec![field.to_owned()],
+        problem,
+        what: what.into(),
+        hint: Message::default(),
+    };
     let mut request = R::default();
     for (name, texts) in given {
         match request.fill(name, texts) {
             Ok(true) => {}
-            Ok(false) => return Err((name.clone(), "there is no such option".to_owned())),
-            Err(what) => return Err((name.clone(), what)),
+            Ok(false) => {
+                let problem = Problem::unknown(name, R::rows().iter().map(|row| row.name));
+                return Err(refused(name, Wrong { problem, what: "there is no such option".to_owned() }));
+            }
+            Err(wrong) => return Err(refused(name, wrong)),
         }
     }
-    request.check().map_err(|(name, what)| (name.to_owned(), what))?;
     Ok(request)
-}
-
-/// Problem of a field: its name, or several names; what is wrong; and what to do. Names of other
-/// fields stand in braces.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Problem {
-    /// Name of the field, or names with commas.
-    pub field: String,
-    /// Description of what is wrong.
-    pub what: String,
-    /// Advice on what to do.
-    pub hint: &'static str,
-}
-
-/// Checks which fields are filled: those that must be, and those that exclude or need each other.
-pub fn complete(rows: &[Row], groups: &[Group], filled: &[&str]) -> Result<(), Problem> {
-    let problem = |field: &str, what: String, hint| Err(Problem { field: field.to_owned(), what, hint });
-    let is_filled = |name: &&str| filled.contains(name);
-    let is_known = |name: &&str| rows.iter().any(|row| row.name == *name);
-    let listed = |names: &[&str], or: &str| {
-        names.iter().filter(|name| is_known(name)).map(|name| format!("{{{name}}}")).collect::<Vec<_>>().join(or)
-    };
-    for row in rows {
-        if row.required && !is_filled(&row.name) {
-            return problem(row.name, "is not given".to_owned(), "give it too");
-        }
-        if !is_filled(&row.name) {
-            continue;
-        }
-        if let Some(other) = row.conflicts.iter().find(|other| is_filled(other) && is_known(other)) {
-            return problem(row.name, format!("does not go together with {{{other}}}"), "leave one of the two out");
-        }
-        let needed: Vec<&str> = row.requires.iter().copied().filter(|name| is_known(name)).collect();
-        if !needed.is_empty() && !needed.iter().any(is_filled) {
-            let what = format!("belongs to {}, which is not given", listed(&needed, " or "));
-            return problem(row.name, what, "give that too, or leave this out");
-        }
-    }
-    for group in groups {
-        let names: Vec<&str> = group.names.iter().copied().filter(|name| is_known(name)).collect();
-        let count = names.iter().filter(|name| is_filled(name)).count();
-        let (least, most) = match group.kind {
-            GroupKind::ExactlyOne => (1, 1),
-            GroupKind::AtMostOne => (0, 1),
-            GroupKind::AnyOf => (1, usize::MAX),
-        };
-        if names.len() > 1 && !(least..=most).contains(&count) {
-            let (what, hint) = match count {
-                0 => ("none of them is given", "give one of them"),
-                _ => ("only one of them can be given", "leave the others out"),
-            };
-            return problem(&names.join(", "), what.to_owned(), hint);
-        }
-    }
-    Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Place.
-    #[derive(Debug, Default, PartialEq, Request)]
-    struct Place {
-        /// Latitude, degrees
-        #[field(range = -90.0..=90.0, says = "give degrees from -90 to 90", metavar = "DEGREES")]
-        latitude_deg: Option<f64>,
-    }
-
-    /// A request with fields of each kind.
-    #[derive(Debug, Default, PartialEq, Request)]
-    #[request(at_most_one("steps", "rule"))]
-    struct Asked {
-        /// Weather file
-        #[field(input = Weather, short = 'w', required)]
-        weather: PathBuf,
-        #[field(flatten, heading = "Place")]
-        place: Place,
-        /// Number of sun positions
-        #[field(range = 1..=60)]
-        steps: Option<u16>,
-        /// Rules, by name
-        #[field(delimiter = ',')]
-        rule: Vec<String>,
-        /// Leave the scene out.
-        #[field(negated = "no_scene")]
-        with_scene: bool,
-        /// Schedules of reflectances
-        #[field(input = Any, metavar = "GROUP=FILE")]
-        schedule: Vec<(String, PathBuf)>,
-        /// Folder to write
-        #[field(output = Folder(&["receivers.csv"]), conflicts("rule"), python = "to", neutral)]
-        folder: Option<PathBuf>,
-        #[field(skip)]
-        known: u8,
-    }
-
-    fn asked(given: &[(&str, &[&str])]) -> Result<Asked, (String, String)> {
-        let text = |texts: &[&str]| texts.iter().map(|text| (*text).to_owned()).collect::<Vec<_>>();
-        let given: Vec<_> = given.iter().map(|(name, texts)| ((*name).to_owned(), text(texts))).collect();
-        filled(&given)
-    }
-
-    /// Seven rows have the names of their fields without units, their forms and roles; a flattened
-    /// struct's stand under its heading.
-    #[test]
-    fn rows_follow_the_fields() {
-        let rows = Asked::rows();
-        let names: Vec<&str> = rows.iter().map(|row| row.name).collect();
-        assert_eq!(names, ["weather", "latitude", "steps", "rule", "no_scene", "schedule", "folder"]);
-        let [weather, latitude, steps, rule, no_scene, schedule, folder] = rows.as_slice() else { panic!("{names:?}") };
-        assert_eq!((weather.short, weather.role), (Some('w'), Role::Input(InputKind::Weather)));
-        assert_eq!(
-            (latitude.heading, latitude.metavar, latitude.many),
-            (Some("Place"), Some("DEGREES"), Many::Optional)
-        );
-        assert_eq!((steps.form.python, steps.role), ("int", Role::Value));
-        assert_eq!((rule.many, rule.delimiter), (Many::List, Some(',')));
-        assert_eq!(
-            (no_scene.many, no_scene.negated, no_scene.help.as_str()),
-            (Many::Flag, true, "Leave the scene out")
-        );
-        assert_eq!(schedule.many, Many::List);
-        assert_eq!(folder.role, Role::Output(OutputKind::Folder(&["receivers.csv"])));
-        assert_eq!((folder.conflicts, folder.python), (["rule"].as_slice(), Some("to")));
-        assert_eq!(Asked::groups(), [Group { kind: GroupKind::AtMostOne, names: &["steps", "rule"] }]);
-        assert!(weather.required && (steps.test)("61").is_err() && (steps.test)("60").is_ok());
-    }
-
-    /// Texts fill fields; files come with their roles. Five wrong texts are refused, each with its
-    /// field.
-    #[test]
-    fn texts_fill_fields() {
-        let all = asked(&[
-            ("weather", &["a.epw", "b.epw"]),
-            ("latitude", &["52.1"]),
-            ("rule", &["one", "two"]),
-            ("no_scene", &[]),
-            ("schedule", &["roof=roof.csv"]),
-        ]);
-        let all = all.expect("a request");
-        assert_eq!((all.weather.as_path(), all.place.latitude_deg), (Path::new("b.epw"), Some(52.1)));
-        assert_eq!((all.rule.len(), all.with_scene, all.folder.is_none(), all.known), (2, false, true, 0));
-        let mut files = Vec::new();
-        all.files(&mut |name, role, path| files.push((name, role, path.to_owned())));
-        let any = Role::Input(InputKind::Any);
-        assert_eq!(files[0], ("weather", Role::Input(InputKind::Weather), "b.epw".into()));
-        assert_eq!(files[1..], [("schedule", any, "roof.csv".into())]);
-        for (name, text, says) in [
-            ("latitude", "91", "give degrees from -90 to 90"),
-            ("steps", "0", "0 is not in 1..=60"),
-            ("steps", "two", "two is not in"),
-            ("schedule", "roof", "give NAME=VALUE"),
-            ("weather", "", "a value is required"),
-        ] {
-            let refused = asked(&[(name, &[text])]).expect_err(text);
-            assert!(refused.0 == name && refused.1.contains(says), "{refused:?}");
-        }
-        assert_eq!(asked(&[("weathr", &["a"])]).expect_err("misspelt").0, "weathr");
-    }
-
-    /// Two of 5 sets of filled fields are complete: the others lack what is required, or name two
-    /// fields that exclude each other.
-    #[test]
-    fn fields_exclude_and_need_each_other() {
-        let complete =
-            |filled: &[&str]| complete(&Asked::rows(), &Asked::groups(), filled).map_err(|problem| problem.field);
-        assert_eq!(complete(&["weather"]), Ok(()));
-        assert_eq!(complete(&["weather", "rule", "latitude"]), Ok(()));
-        assert_eq!(complete(&["rule"]), Err("weather".to_owned()));
-        assert_eq!(complete(&["weather", "rule", "folder"]), Err("folder".to_owned()));
-        assert_eq!(complete(&["weather", "rule", "steps"]), Err("steps, rule".to_owned()));
-    }
 }

@@ -60,7 +60,7 @@ impl BandChoice {
         }
         if own.len() > Component::OWN.len() {
             let what = "the number of bands of files".to_owned();
-            return Err(Error::Limit { what, value: own.len() as u64, max: Component::OWN.len() as u64 });
+            return Err(Error::Limit { what: what.into(), value: own.len() as u64, max: Component::OWN.len() as u64 });
         }
         let mut list = BandList::of(&self.bands);
         list.columns.extend(Component::OWN.into_iter().take(own.len()));
@@ -225,8 +225,8 @@ impl heliotile_requests::Parse for BandList {
     }
 
     /// Reads the names, and the files of custom bands.
-    fn parse(text: &str) -> std::result::Result<Self, String> {
-        text.parse::<BandChoice>()?.read(&input::read).map_err(|error| error.to_string())
+    fn parse(text: &str) -> std::result::Result<Self, heliotile_requests::Wrong> {
+        text.parse::<BandChoice>()?.read(&input::read).map_err(|error| error.to_string().into())
     }
 }
 

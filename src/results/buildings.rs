@@ -15,7 +15,7 @@ use heliotile_builder::writing::claim::same_place;
 use heliotile_builder::writing::guards::guard_output;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::{Component, ComponentSet};
-use heliotile_core::text::counted;
+use heliotile_core::text::{Message, counted, message};
 use heliotile_remote::naming::shown;
 
 /// Hours that are more than a year's. The reader of the weather warns of fewer hours than a year
@@ -75,7 +75,7 @@ impl BuildingsRequest {
         let hours: f64 =
             series.conditions.iter().filter_map(|condition| condition.stamp).map(|stamp| stamp.hours).sum();
         if hours > MORE_THAN_A_YEAR_H {
-            observer.warn(&format!(
+            observer.warn(message!(
                 "{}: sums are over all {hours} hours, more than a year, and {{threshold}} {} is compared with them",
                 series.source.display(),
                 self.threshold_kwh_m2
@@ -94,7 +94,7 @@ impl BuildingsRequest {
             Ok(true)
         })?;
         if cadastre.vague() > 0 {
-            observer.warn(&format!(
+            observer.warn(format!(
                 "{} of {}: the receivers have no patches, so each face counts as one region (receivers that cover a scene have patches)",
                 counted(cadastre.vague() as u64, "roof face"),
                 shown(place).display()
@@ -118,6 +118,6 @@ pub fn check_table(output: &Path, inputs: &[&Path]) -> Result<()> {
 }
 
 /// Returns the help of the output.
-fn output_help() -> String {
+fn output_help() -> Message {
     table_help("Table of buildings to write")
 }

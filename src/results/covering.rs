@@ -4,7 +4,6 @@
 use heliotile_core::units::parse_metres;
 use heliotile_requests::Request;
 use std::collections::{BTreeMap, BTreeSet};
-use std::fmt::Write as _;
 use std::ops::RangeInclusive;
 use std::path::Path;
 
@@ -16,13 +15,13 @@ use heliotile_builder::trace::Tracer;
 use heliotile_builder::trace::canopy::Canopies;
 use heliotile_builder::trace::placement::{Placement, placement_of};
 use heliotile_builder::trace::receiver::Viewpoint;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::observer::{Observer, Stage};
 use heliotile_core::site::material::Material;
 use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::site::patch::Patch;
 use heliotile_core::site::scene_object::ObjectNote;
-use heliotile_core::text::{counted, with_list};
+use heliotile_core::text::{Message, counted, message, with_list};
 use heliotile_scene::Scene;
 use heliotile_scene::covering::cover::{MOST_POINTS, Piece, cover};
 use heliotile_scene::covering::surfaces::{Surface, Surfaces};
@@ -253,7 +252,7 @@ pub fn cover_scene(
     });
     let covered = PlacedReceivers { surfaces, faces, chosen, small, inner, in_hulls, beside };
     if within.is_none() && !asked.may_be_none && covered.count(Placement::Free) == 0 {
-        let what = format!("no receiver is left: {}", summary(&covered, scene));
+        let what = Message::from("no receiver is left: ").and(summary(&covered, scene).trim_end());
         let hint = match (covered.chosen.is_empty(), covered.count(Placement::Inside)) {
             (true, _) => {
                 "lower {min_area}, cover other surfaces with {on}, or see with `{command:info}` whether the scene is in metres"
@@ -263,16 +262,16 @@ pub fn cover_scene(
                 "see where the parts of the scene lie (`{command:info}` of each): one may be below the terrain, or in another unit"
             }
         };
-        return Err(Error::argument("on", what.trim_end(), hint));
+        return Err(Error::argument("on", what, hint));
     }
     Ok(covered)
 }
 
 /// Returns doubts about the surfaces of a scene, a sentence each.
-pub fn doubts(soup: &Soup, surfaces: &Surfaces) -> Vec<String> {
+pub fn doubts(soup: &Soup, surfaces: &Surfaces) -> Vec<Message> {
     let mut found = Vec::new();
     if surfaces.contrary_edges > 0 {
-        found.push(format!(
+        found.push(message!(
             "neighbouring faces of one object have opposite orientations at {}: receivers may be on the wrong side",
             counted(surfaces.contrary_edges as u64, "edge")
         ));
@@ -280,13 +279,13 @@ pub fn doubts(soup: &Soup, surfaces: &Surfaces) -> Vec<String> {
     let pairs = twins(soup);
     if let [first, others @ ..] = pairs.as_slice() {
         let (a, b) = first;
-        let sentence = format!(
+        let sentence = message!(
             "{} of objects fill the same box, such as `{a}` and `{b}`: if it is one building twice, leave one out",
             counted(pairs.len() as u64, "pair")
         );
         found.push(match others {
             [] => sentence,
-            _ => with_list(&sentence, pairs.iter().map(|(a, b)| format!("`{a}` and `{b}`"))),
+            _ => with_list(sentence, pairs.iter().map(|(a, b)| format!("`{a}` and `{b}`"))),
         });
     }
     found
@@ -296,23 +295,25 @@ pub fn doubts(soup: &Soup, surfaces: &Surfaces) -> Vec<String> {
 fn too_many(density: Density, points: f64, area_m2: f64, of: impl Fn(Density) -> f64) -> Error {
     let area = if area_m2 < 1e6 { format!("{area_m2:.0} m2") } else { format!("{:.1} km2", area_m2 / 1e6) };
     let limit = format!("on {area} of surfaces, and the limit is {:.0} million", MOST_POINTS / 1e6);
-    let unit = "; if the area looks too large, state the unit of the scene, as in {scale} 0.001 for millimetres";
+    let unit = Message::from(
+        "; if the area looks too large, state the unit of the scene, as in {scale} 0.001 for millimetres",
+    );
     let spacing_m = match density {
         Density::Spacing(metres) => metres,
         Density::PerSurface(count) => {
             // Each surface gets at least one receiver.
             let fewer = (f64::from(count) * MOST_POINTS / points).floor().max(1.0);
             let what = format!("{count} for each surface are {:.0} million receivers {limit}", points / 1e6);
-            let hint = format!("{{per_surface}} {fewer:.0}, or fewer surfaces with {{on}}{unit}");
+            let hint = message!("{{per_surface}} {fewer:.0}, or fewer surfaces with {{on}}").and(unit);
             return Error::argument("per_surface", what, hint);
         }
     };
     let wider = wide_enough(spacing_m, points, |metres| of(Density::Spacing(metres)));
     let hint = match wider {
         Some((metres, count)) => {
-            format!("{{spacing}} {metres}m would give {}, or cover less with {{on}}{unit}", millions(count))
+            message!("{{spacing}} {metres}m would give {}, or cover less with {{on}}", millions(count)).and(unit)
         }
-        None => format!("cover fewer surfaces with {{on}}{unit}"),
+        None => Message::from("cover fewer surfaces with {on}").and(unit),
     };
     let what = format!("{spacing_m} m would give {} receivers {limit}", millions(points));
     Error::argument("spacing", what, hint)
@@ -375,7 +376,10 @@ impl Wanted {
                 (_, None, None) if is_part => wanted.missing = true,
                 (_, None, None) => {
                     let what = format!("`{name}` is neither a kind of surface nor a material of the scene");
-                    return Err(Error::argument("on", what, choice(materials, surfaces)));
+                    let known = materials.iter().map(|material| material.name.as_str());
+                    let known = known.chain(SurfaceKind::ALL.map(SurfaceKind::name));
+                    let unknown = Problem::unknown(name, known);
+                    return Err(Error::argument("on", what, choice(materials, surfaces)).because(unknown));
                 }
             }
         }
@@ -437,16 +441,20 @@ impl Wanted {
 }
 
 /// Returns the hint that lists the kinds, types and materials of the scene.
-fn choice(materials: &[Material], surfaces: &Surfaces) -> String {
+fn choice(materials: &[Material], surfaces: &Surfaces) -> Message {
     let mut count: BTreeMap<SurfaceKind, usize> = BTreeMap::new();
     surfaces.list.iter().for_each(|surface| *count.entry(surface.kind).or_default() += 1);
     let kinds: Vec<String> = count.iter().map(|(kind, count)| format!("{} ({count})", kind.name())).collect();
     let types: BTreeSet<&str> = surfaces.objects.iter().map(|(_, note)| note.object_type.as_str()).collect();
     let types: Vec<&str> = types.into_iter().filter(|name| !name.is_empty()).take(20).collect();
     let names: Vec<&str> = materials.iter().take(20).map(|material| material.name.as_str()).collect();
-    let types =
-        if types.is_empty() { String::new() } else { format!("types of objects ({{types}}) {}; ", types.join(", ")) };
-    format!("the scene has: surfaces of {}; {types}materials {}", kinds.join(", "), names.join(", "))
+    let types = match types.is_empty() {
+        true => Message::default(),
+        false => message!("types of objects ({{types}}) {}; ", types.join(", ")),
+    };
+    message!("the scene has: surfaces of {}; ", kinds.join(", "))
+        .and(types)
+        .and(format!("materials {}", names.join(", ")))
 }
 
 /// Refuses a name that does not end with `.csv`, so that a table replaces no other kind of file.
@@ -498,19 +506,16 @@ fn reason(placement: Placement) -> &'static str {
 }
 
 /// Returns a summary of the receivers by kind of surface, for the terminal.
-pub fn summary(covered: &PlacedReceivers, scene: &Scene) -> String {
+pub fn summary(covered: &PlacedReceivers, scene: &Scene) -> Message {
     let [free, hidden, inside] =
         [Placement::Free, Placement::Blocked, Placement::Inside].map(|placement| covered.count(placement));
-    let mut out = format!(
+    let mut out = message!(
         "{} on {} of {}\n",
         counted(free as u64, "receiver"),
         counted(covered.chosen.len() as u64, "surface"),
         counted(covered.surfaces.objects.len() as u64, "object")
     );
-    // Writing to a string cannot fail.
-    let mut line = |text: String| {
-        let _ = writeln!(out, "  {text}");
-    };
+    let mut line = |text: Message| out = std::mem::take(&mut out).and("  ").and(text).and("\n");
     for kind in SurfaceKind::ALL {
         let of_kind = || covered.chosen.iter().filter(|c| covered.surfaces.list[c.surface].kind == kind);
         // Adding 0.0 turns the -0.0 of an empty sum into 0.
@@ -522,7 +527,7 @@ pub fn summary(covered: &PlacedReceivers, scene: &Scene) -> String {
         };
         let covered_area: f64 = pieces().map(|(piece, _)| piece.area_m2).sum::<f64>() + 0.0;
         if of_kind().next().is_some() {
-            line(format!(
+            line(message!(
                 "{:7} {:>8} surfaces {:>9} receivers, {covered_area:.1} of {area:.1} m2 get light",
                 kind.name(),
                 of_kind().count(),
@@ -531,19 +536,19 @@ pub fn summary(covered: &PlacedReceivers, scene: &Scene) -> String {
         }
     }
     if hidden + inside > 0 {
-        line(format!(
+        line(message!(
             "left out: {inside} inside a neighbour or below the terrain, {hidden} covered by another surface"
         ));
     }
     if covered.inner.0 > 0 {
-        line(format!(
+        line(message!(
             "left out: {} that face rooms, the ground or the border of a raster, {:.1} m2",
             counted(covered.inner.0 as u64, "surface"),
             covered.inner.1
         ));
     }
     if covered.small.0 > 0 {
-        line(format!(
+        line(message!(
             "left out: {} of less than {{min_area}}, {:.1} m2",
             counted(covered.small.0 as u64, "surface"),
             covered.small.1
@@ -552,10 +557,10 @@ pub fn summary(covered: &PlacedReceivers, scene: &Scene) -> String {
     if !covered.beside.is_empty() {
         let types: Vec<&str> = covered.beside.keys().map(String::as_str).collect();
         let area: f64 = covered.beside.values().sum();
-        line(format!("left out: {area:.1} m2 of objects that are not buildings ({{types}} {})", types.join(",")));
+        line(message!("left out: {area:.1} m2 of objects that are not buildings ({{types}} {})", types.join(",")));
     }
     if !scene.report.warnings.is_empty() {
-        line(format!("{} above", counted(scene.report.warnings.len() as u64, "warning")));
+        line(message!("{} above", counted(scene.report.warnings.len() as u64, "warning")));
     }
     out
 }

@@ -1,6 +1,7 @@
 //! Doubts that a user should know before results are used. In: an archive, weather, a request. Out:
 //! sentences, or a refusal.
 
+use heliotile_core::text::{Message, message};
 use std::path::Path;
 
 use crate::outputs::periods::Every;
@@ -53,7 +54,7 @@ pub fn preview(archive: &Archive) -> Option<String> {
 
 /// Returns a note about a query of an archive that states its ground's reflectance by month: the
 /// mean of the year counts. Returns `None` if `changes` sets another reflectance.
-pub fn mean_ground(archive: &Archive, changes: &Changes) -> Result<Option<String>> {
+pub fn mean_ground(archive: &Archive, changes: &Changes) -> Result<Option<Message>> {
     // Few archives state such a ground; the site of the others is not opened a second time.
     let Some(ground) = &archive.manifest().ground else { return Ok(None) };
     let site = OpenSite::of(archive)?;
@@ -67,7 +68,7 @@ pub fn mean_ground(archive: &Archive, changes: &Changes) -> Result<Option<String
     if changed.any(|name| *name == ground.material || Some(name) == group || name == "ground") {
         return Ok(None);
     }
-    Ok(Some(format!(
+    Ok(Some(message!(
         "`{}` has monthly reflectances, and conditions have no date: the mean of the year is used, {} ({{reflectance}} ground=... sets another)",
         ground.material,
         rounded(ground.mean())
@@ -82,7 +83,7 @@ pub fn dated_rows(
     span: &Span,
     year: Option<i32>,
     every: Every,
-) -> Result<(DatedRows, Option<String>)> {
+) -> Result<(DatedRows, Option<Message>)> {
     let intervals = weather.rows.iter().map(|row| row.interval).collect::<Vec<_>>();
     let dated = match year {
         Some(year) => DatedRows::in_year(&intervals, file, span, year)?,
@@ -98,7 +99,7 @@ pub fn dated_rows(
     }
     let years = || dated.dates.iter().map(|date| date.year);
     let (first, last) = (years().min().unwrap_or_default(), years().max().unwrap_or_default());
-    let note = format!(
+    let note = message!(
         "{}: its months come from different years, {first} to {last}, and {labels}; {{year}} 2019 would date all of them in 2019",
         file.display()
     );

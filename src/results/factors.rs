@@ -1,6 +1,7 @@
 //! Factors of receivers or groups by position of the sun. In: archives, a grid of suns. Out: five
 //! factors for each sun, name after name.
 
+use heliotile_core::text::Message;
 use heliotile_requests::Request;
 use std::path::{Path, PathBuf};
 
@@ -144,6 +145,6 @@ impl<'a> FactorRows<'a> {
 }
 
 /// Returns the help of the output.
-fn output_help() -> String {
+fn output_help() -> Message {
     table_help("Table to write")
 }

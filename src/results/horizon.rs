@@ -4,6 +4,7 @@
 use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::{Archive, Blocks, format, tables};
 use heliotile_core::error::Result;
+use heliotile_core::text::{Message, message};
 
 /// Least lost share that is reported. Smaller shares come from the rim of the ground and of
 /// textures.
@@ -46,7 +47,7 @@ impl Mean {
 
 /// Returns a sentence with the share of their hemisphere in which walls, or receivers if there are
 /// no walls, see nothing; `None` if that share is below 1 %.
-pub fn black_below_horizon(archive: &Archive) -> Result<Option<String>> {
+pub fn black_below_horizon(archive: &Archive) -> Result<Option<Message>> {
     let mut lost = Lost::default();
     archive.expect_all(format::RECEIVERS);
     for tile in 0..archive.tiles() {
@@ -66,7 +67,7 @@ pub fn black_below_horizon(archive: &Archive) -> Result<Option<String>> {
     };
     let percent = 100.0 * share;
     Ok((share >= LEAST).then(|| {
-        format!(
+        message!(
             "{who} see no surface in {percent:.1} % of their hemisphere, below the horizon: nothing reflects there (add terrain, or an \
              [endless_ground] to {{materials}})"
         )

@@ -18,7 +18,7 @@ use heliotile_builder::transfer::Shown;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::site::north::North;
-use heliotile_core::text::counted;
+use heliotile_core::text::{Message, counted, message};
 use heliotile_core::units::tilt_and_azimuth;
 
 /// Returns the columns of the table.
@@ -92,7 +92,7 @@ impl PlacesRequest {
         }
         let best = best_places(&candidates, self.module_m, self.best);
         if best.len() < self.best {
-            stream.resources.observer.warn(&format!(
+            stream.resources.observer.warn(message!(
                 "{} of {} x {} m found instead of {}: each has its middle at a receiver, and receivers may be too far apart ({{spacing}})",
                 counted(best.len() as u64, "place"),
                 self.module_m[0],
@@ -167,7 +167,7 @@ heliotile_core::serde_by_name!(PlaceOn);
 heliotile_core::parse_by_name!(PlaceOn);
 
 /// Returns the help of the output.
-fn output_help() -> String {
+fn output_help() -> Message {
     table_help("Table of places to write; as CSV, {points} of `pv` reads it")
 }
 

@@ -351,7 +351,7 @@ impl Parse for ConditionSource {
         Form::PATH
     }
 
-    fn parse(text: &str) -> std::result::Result<Self, String> {
+    fn parse(text: &str) -> std::result::Result<Self, heliotile_requests::Wrong> {
         PathBuf::parse(text).map(ConditionSource::File)
     }
 

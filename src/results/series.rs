@@ -2,6 +2,7 @@
 //! conditions with their labels, the bins that they add up in, the changes over them, and the same
 //! conditions in longer periods.
 
+use heliotile_core::text::Message;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -249,7 +250,7 @@ impl QueryRequest {
     /// Returns the conditions of the table as a series. Warns of what is odd about them and the
     /// archives.
     pub fn series(&self, archives: Archives, about: Provenance, resources: &Resources) -> Result<Series> {
-        let tell = |text: &String| resources.observer.warn(text);
+        let tell = |text: &Message| resources.observer.warn(text);
         let (found, name) = match &self.conditions {
             ConditionSource::File(path) => {
                 let file = parse_conditions(path, &(resources.files)(path)?)?;
@@ -259,7 +260,7 @@ impl QueryRequest {
             ConditionSource::Rows(rows) => (rows.clone(), "conditions".to_owned()),
         };
         mean_ground(archives.first(), &self.light.changes)?.iter().for_each(tell);
-        of_archive(archives.first(), None).iter().for_each(tell);
+        of_archive(archives.first(), None).iter().for_each(|text| resources.observer.warn(text));
         self.light.tell_bands(archives, resources.observer)?;
         let called = match found.as_slice() {
             [only] => format!("{name}: {}", only.label),

@@ -3,6 +3,7 @@
 //! serves if a build would give the same; files of other inputs are kept, unless they may be
 //! replaced.
 
+use heliotile_core::text::{Message, message};
 use std::fs::{self, File};
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
@@ -311,7 +312,7 @@ enum Found {
     /// Archive that equals what a build would give.
     Same(Box<Archive>),
     /// Differences of the archive from what a build would give, a sentence each.
-    Other(Vec<String>),
+    Other(Vec<Message>),
 }
 
 impl SiteBuild<'_> {
@@ -334,16 +335,16 @@ impl SiteBuild<'_> {
             differences.extend_from_slice(others);
         }
         if !folder.replace && !differences.is_empty() {
-            let what = format!("holds results of other inputs: {}", differences.join("; "));
+            let what = Message::from("holds results of other inputs: ").and(Message::joined(differences, "; "));
             return Err(Error::input(folder.folder, None, what, folder.named_by.for_results()));
         }
         if let (ReceiverSource::Placed { placed, table, .. }, Some(planned)) = (self.receivers, planned) {
             planned.place(table)?;
-            observer.report(&format!("{}: {}", table.display(), covering::summary(placed, self.scene)));
+            observer.report(message!("{}: ", table.display()).and(covering::summary(placed, self.scene)));
         }
         let archive = match found {
             Found::Same(archive) => {
-                observer.report(&format!("{}: up to date, nothing is traced again\n", folder.archive.display()));
+                observer.report(format!("{}: up to date, nothing is traced again\n", folder.archive.display()));
                 *archive
             }
             _ => {
@@ -373,20 +374,20 @@ impl SiteBuild<'_> {
         }
         let archive = match Archive::open_with(path, Access::Read) {
             Ok(archive) => archive,
-            Err(error) => return Ok(Found::Other(vec![format!("site.helio cannot be read ({error})")])),
+            Err(error) => return Ok(Found::Other(vec![message!("site.helio cannot be read ({error})")])),
         };
         let mut others = Vec::new();
         if archive.manifest().scene.content_hash != format::hex(&self.scene.content_hash()) {
-            others.push("the scene or its materials have changed since site.helio was built".to_owned());
+            others.push("the scene or its materials have changed since site.helio was built".into());
         }
         if self.with_scene && !holds_objects(&archive, self.scene) {
-            others.push("objects of the scene have other names than when site.helio was built".to_owned());
+            others.push("objects of the scene have other names than when site.helio was built".into());
         }
         if archive.manifest().preview.is_some() {
-            others.push("site.helio is a preview of a changed scene".to_owned());
+            others.push("site.helio is a preview of a changed scene".into());
         }
         if archive.manifest().ground != self.scene.ground {
-            others.push("the ground of the scene has changed since site.helio was built".to_owned());
+            others.push("the ground of the scene has changed since site.helio was built".into());
         }
         // Positions of the sun depend on the place.
         let same_place = match (&archive.manifest().place, &self.scene.place) {
@@ -394,36 +395,36 @@ impl SiteBuild<'_> {
             (stated, place) => stated.is_none() && place.is_none(),
         };
         if !same_place {
-            others.push("the place of the scene has changed since site.helio was built".to_owned());
+            others.push("the place of the scene has changed since site.helio was built".into());
         }
         if archive.manifest().settings.tracing != settings.stated().tracing {
-            others.push("site.helio was traced by another release of heliotile, whose light differs".to_owned());
+            others.push("site.helio was traced by another release of heliotile, whose light differs".into());
         }
         if let Some(difference) = receivers.difference(&archive)? {
-            others.push(format!("the table of receivers now {difference}"));
+            others.push(message!("the table of receivers now {difference}"));
         }
         others.extend(other_accuracy(&archive, settings, self.accuracy));
         others.extend(other_effects(&archive, self.under));
         if archive.has(format::SCENE, TileNumber::FIRST) != self.with_scene {
             let there = if self.with_scene { "leaves out" } else { "holds" };
-            others.push(format!("site.helio {there} the triangles of the scene"));
+            others.push(message!("site.helio {there} the triangles of the scene"));
         }
         Ok(if others.is_empty() { Found::Same(Box::new(archive)) } else { Found::Other(others) })
     }
 }
 
 /// Returns how an archive's accuracy differs from the requested one; `None` if it does not.
-fn other_accuracy(archive: &Archive, settings: &BuildSettings, asked: &AccuracyRequest) -> Option<String> {
+fn other_accuracy(archive: &Archive, settings: &BuildSettings, asked: &AccuracyRequest) -> Option<Message> {
     let manifest = archive.manifest();
     let accuracy = manifest.accuracy.as_ref();
     let there = match accuracy {
-        Some(accuracy) => format!("{{error}} {}%", accuracy.target_percent),
-        None if manifest.settings.quality.is_empty() => "custom settings".to_owned(),
-        None => format!("{{quality}} {}", manifest.settings.quality),
+        Some(accuracy) => message!("{{error}} {}%", accuracy.target_percent),
+        None if manifest.settings.quality.is_empty() => "custom settings".into(),
+        None => message!("{{quality}} {}", manifest.settings.quality),
     };
     let wanted = match asked.error_percent {
         Some(target) if accuracy.is_some_and(|accuracy| accuracy.target_percent == target) => return None,
-        Some(target) => format!("{{error}} {target}%"),
+        Some(target) => message!("{{error}} {target}%"),
         None => {
             let stated = BuildSettings { left_out: Effects::default(), ..BuildSettings::of(&manifest.settings) };
             if stated == *settings && accuracy.is_none() {
@@ -434,25 +435,25 @@ fn other_accuracy(archive: &Archive, settings: &BuildSettings, asked: &AccuracyR
             let others = pairs.filter(|((_, there), (_, now))| there != now);
             let list: Vec<String> = others.map(|((setting, _), (_, now))| format!("{}={now}", setting.name)).collect();
             match now.quality.as_str() {
-                "" => format!("{{quality}} {} and {}", asked.quality.name(), list.join(" ")),
-                quality => format!("{{quality}} {quality}"),
+                "" => message!("{{quality}} {} and {}", asked.quality.name(), list.join(" ")),
+                quality => message!("{{quality}} {quality}"),
             }
         }
     };
-    Some(format!("site.helio was built with {there}, not {wanted}"))
+    Some(Message::from("site.helio was built with ").and(there).and(", not ").and(wanted))
 }
 
 /// Returns how the effects that an archive leaves out differ from those that `asked` allows; `None`
 /// if they do not. An archive that leaves out nothing serves, too.
-fn other_effects(archive: &Archive, asked: Option<EffectsUnder>) -> Option<String> {
+fn other_effects(archive: &Archive, asked: Option<EffectsUnder>) -> Option<Message> {
     let there = archive.manifest().negligible.as_ref()?;
     let allowed = asked.and_then(|asked| Some((asked.weather.name(), asked.negligible_percent?)));
     if allowed == Some((there.weather.as_str(), there.percent)) {
         return None;
     }
     let now =
-        allowed.map_or("all effects".into(), |(weather, percent)| format!("{{negligible}} {percent}% and {weather}"));
-    Some(format!("site.helio was built with {{negligible}} {}% and {}, not {now}", there.percent, there.weather))
+        allowed.map_or("all effects".into(), |(weather, percent)| message!("{{negligible}} {percent}% and {weather}"));
+    Some(message!("site.helio was built with {{negligible}} {}% and {}, not ", there.percent, there.weather).and(now))
 }
 
 /// Table of receivers that is written but not yet in its place.
@@ -478,7 +479,7 @@ impl PlannedReceivers {
 
     /// Compares the table with the one at `there`: no difference if none is there or they are
     /// equal, otherwise one sentence.
-    fn differences(&self, there: &Path) -> Result<Vec<String>> {
+    fn differences(&self, there: &Path) -> Result<Vec<Message>> {
         if !there.exists() {
             return Ok(Vec::new());
         }
@@ -494,7 +495,7 @@ impl PlannedReceivers {
                 (None, None) => break,
                 (a, b) if a == b => {}
                 _ => {
-                    return Ok(vec![format!(
+                    return Ok(vec![message!(
                         "receivers.csv differs from line {line} on (other surfaces or spacing, or it was edited: {{receivers}} uses it as it is)"
                     )]);
                 }

@@ -61,7 +61,7 @@ impl PageRequest {
             page = page.with_after(&shown(with), hold(with)?.as_ref())?;
             if !page.holds_after() {
                 let what = "does not fit into the 50 MB of a page: open it there with `Compare with`";
-                observer.warn(&format!("{} {what}", after.path().display()));
+                observer.warn(format!("{} {what}", after.path().display()));
             }
         }
         if let Some(file) = &self.weather {
@@ -75,7 +75,7 @@ impl PageRequest {
             }
         }
         if !page.holds_archive() {
-            observer.warn(&format!(
+            observer.warn(format!(
                 "{} is larger than 50 MB: the page does not contain it, and asks for it when opened",
                 archive.path().display()
             ));
@@ -89,11 +89,11 @@ impl PageRequest {
 /// equal.
 pub fn open_after(before: &Archive, after: &Path, access: Access, observer: &dyn Observer) -> Result<Archive> {
     let archive = open_archive(after, access)?;
-    let refuse = |what: String, hint: &str| Err(Error::input(archive.path(), None, what, hint));
+    let refuse = |what: String, hint: &'static str| Err(Error::input(archive.path(), None, what, hint));
     let first = before.path().display();
     check_one_site(before, &archive)?;
     if before.root() == archive.root() {
-        observer.warn(&format!("{} and {first} are equal: nothing changes", archive.path().display()));
+        observer.warn(format!("{} and {first} are equal: nothing changes", archive.path().display()));
         return Ok(archive);
     }
     let [one, other] = [before, &archive].map(receiver_places);

@@ -2,6 +2,7 @@
 //! and an object. In: what a reader finds, one item after the other. Out: lists in which every
 //! index is in range and every coordinate finite.
 
+use heliotile_core::text::Message;
 use std::collections::BTreeMap;
 use std::collections::HashMap;
 use std::ops::Range;
@@ -53,11 +54,11 @@ pub(super) struct Geometry {
     pub ground: Option<ModelGround>,
     /// Statement of the header on the up axis, of a format that has none.
     pub header_up: Option<HeaderUp>,
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Message>,
     /// Decisions that no user needs to question, one sentence each.
-    pub notes: Vec<String>,
+    pub notes: Vec<Message>,
     /// Sentences about faces, which begin with their count.
-    pub doubts: Vec<String>,
+    pub doubts: Vec<Message>,
     /// Numbers of faces of buildings without semantics, ascending: their tilt decides their kind
     /// once their outside is known.
     pub by_tilt: Vec<usize>,
@@ -125,7 +126,7 @@ impl Geometry {
     pub(super) fn push_vertex(&mut self, file: &Path, position: DVec3) -> Result<u32> {
         debug_assert!(crate::coordinate::is_position(position));
         let index = u32::try_from(self.vertices.len()).ok().filter(|i| *i < u32::MAX).ok_or_else(|| Error::Limit {
-            what: format!("the number of vertices of {}", file.display()),
+            what: format!("the number of vertices of {}", file.display()).into(),
             value: self.vertices.len() as u64 + 1,
             max: u64::from(u32::MAX),
         })?;

@@ -81,6 +81,7 @@ mod terrain;
 mod tests;
 mod text;
 
+use heliotile_core::text::Message;
 use std::path::Path;
 
 use glam::DVec3;
@@ -145,9 +146,9 @@ pub struct LoadReport {
     /// Names of materials that no file describes, so that their optics are assumed.
     pub assumed: Vec<String>,
     /// Warnings for the user, one sentence each.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Message>,
     /// Decisions that the user did not ask for, such as how terrain was thinned; one sentence each.
-    pub notes: Vec<String>,
+    pub notes: Vec<Message>,
 }
 
 impl LoadReport {
@@ -179,7 +180,8 @@ impl Scene {
         objects: &MeshObjects,
         focus: Option<DVec3>,
     ) -> Result<Scene> {
-        let refuse = |what: String, hint: &str| Err(Error::input(Path::new("triangles in memory"), None, what, hint));
+        let refuse =
+            |what: String, hint: &'static str| Err(Error::input(Path::new("triangles in memory"), None, what, hint));
         let names: Vec<String> = materials.iter().map(|material| material.name.clone()).collect();
         for material in &materials {
             if let Err(what) = material.check() {
@@ -188,7 +190,7 @@ impl Scene {
         }
         if 3 * triangles.len() as u64 > u64::from(u32::MAX) {
             return Err(Error::Limit {
-                what: "the number of corners of triangles in memory".to_owned(),
+                what: "the number of corners of triangles in memory".into(),
                 value: 3 * triangles.len() as u64,
                 max: u64::from(u32::MAX),
             });
@@ -244,7 +246,7 @@ impl Scene {
             concave_faces: 0,
             materials: uses,
             assumed: Vec::new(),
-            warnings: contested_warning(dropped.contested).into_iter().collect(),
+            warnings: contested_warning(dropped.contested).into_iter().map(Message::from).collect(),
             notes: Vec::new(),
         };
         let objects =

@@ -44,7 +44,7 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::site::ground::MonthlyGround;
 use heliotile_core::site::material::Class;
 use heliotile_core::site::scene_object::{ObjectNote, SceneObject};
-use heliotile_core::text::with_list;
+use heliotile_core::text::{Message, message, with_list};
 
 /// Most reasons for leaving out faces that get a warning each; more reasons become one list.
 const MOST_REASONS: usize = 2;
@@ -178,7 +178,7 @@ impl Scene {
 fn load(site: &SceneFiles, keep: bool) -> Result<(Scene, Soup)> {
     let (mut palette, mut pile) = (Palette::default(), Pile { keep, ..Pile::default() });
     let (mut rasters, mut surfaces, mut outlines, mut local_frame) = (Vec::new(), Vec::new(), Vec::new(), None);
-    pile.report.warnings.extend(site.unused_up());
+    pile.report.warnings.extend(site.unused_up().into_iter().map(Message::from));
     for part in &site.parts {
         if let Some(path) = &part.materials {
             palette.open(path)?;
@@ -213,7 +213,7 @@ fn load(site: &SceneFiles, keep: bool) -> Result<(Scene, Soup)> {
     for (part, raster, options) in surfaces {
         let SurfaceRead { city, beyond: more } =
             read_surface(part, raster, options, &site.frame, pile.reference(), site.within.as_ref())?;
-        pile.report.notes.push(city.note);
+        pile.report.notes.push(city.note.into());
         pile.add(part, city.geometry, &mut palette, None)?;
         if let Some(Beyond { part, raster }) = more {
             beyond_parts.push(part);
@@ -225,7 +225,7 @@ fn load(site: &SceneFiles, keep: bool) -> Result<(Scene, Soup)> {
     let mut placed = pile.placed_rasters(rasters, &site.frame, outlined)?;
     placed.extend(beyond_parts.iter().zip(beyond));
     let (terrain, notes) = joined(placed);
-    pile.report.notes.extend(notes);
+    pile.report.notes.extend(notes.into_iter().map(Message::from));
     pile.add_footprints(outlines, &terrain, &mut palette)?;
     if let Some(part) = &site.within {
         pile.cut(part, &palette);
@@ -320,7 +320,7 @@ impl Pile {
                 horizon_deg: part.horizon_deg,
             };
             let (geometry, note) = surface(raster, &wanted)?;
-            self.report.notes.extend(note);
+            self.report.notes.extend(note.into_iter().map(Message::from));
             // Its raster is in scene coordinates already.
             self.add(part, geometry, palette, None)?;
         }
@@ -369,16 +369,19 @@ impl Pile {
             .iter()
             .find(|other| (ModelGround { elevation_m: ground.elevation_m, ..other.ground.clone() }) != *ground)
         {
-            report.warnings.push(format!(
-                "the ground of {} {}, but that of {} {}; the first one is used",
-                file.display(),
-                ground.words(),
-                other.file.display(),
-                other.ground.words()
-            ));
+            report.warnings.push(
+                format!(
+                    "the ground of {} {}, but that of {} {}; the first one is used",
+                    file.display(),
+                    ground.words(),
+                    other.file.display(),
+                    other.ground.words()
+                )
+                .into(),
+            );
         }
         if found {
-            report.notes.push(format!("ground: the scene's own, not the plane of {}", file.display()));
+            report.notes.push(format!("ground: the scene's own, not the plane of {}", file.display()).into());
             return None;
         }
         let lowest = models.iter().map(|model| model.ground.elevation_m);
@@ -388,7 +391,7 @@ impl Pile {
             reflectance: ground.reflectance,
             snow_modifier: ground.snow_modifier,
         };
-        report.notes.push(format!(
+        report.notes.push(message!(
             "ground: a plane at {lowest:.2} m that {}, {} ({{no_ground}}: none)",
             ground.words(),
             if ground.stated { format!("as {} states", file.display()) } else { "as EnergyPlus assumes".to_owned() }
@@ -488,31 +491,31 @@ impl Pile {
         report.concave_faces += cut.concave_faces;
         report.warnings.extend(geometry.warnings.iter().cloned());
         report.notes.extend(geometry.notes.iter().cloned());
-        report.warnings.extend(geometry.doubts.iter().map(|doubt| format!("{file}: {doubt}")));
+        report.warnings.extend(geometry.doubts.iter().map(|doubt| message!("{file}: ").and(doubt)));
         let mut left_out: Vec<String> =
             geometry.left_out.iter().map(|(reason, count)| format!("{count} left out {reason}")).collect();
         if left_out.len() > MOST_REASONS {
             let count: usize = geometry.left_out.values().sum();
             let sentence = format!("{file}: {count} left out for {} reasons", left_out.len());
-            report.warnings.push(with_list(&sentence, left_out.drain(..)));
+            report.warnings.push(with_list(sentence, left_out.drain(..)));
         }
-        report.warnings.extend(left_out.iter().map(|reason| format!("{file}: {reason}")));
+        report.warnings.extend(left_out.iter().map(|reason| message!("{file}: ").and(reason)));
         if let Some((count, place)) = cut.crossing_faces {
             let first = match place.line {
                 0 => format!("the outline of a face of {}", object_name(geometry, place.object)),
                 line => format!("line {line}: the outline of the face"),
             };
             let between = if place.line == 0 { ": " } else { ", " };
-            report
-                .warnings
-                .push(format!("{file}{between}{first} crosses itself; the areas of {count} such faces may be wrong"));
+            report.warnings.push(
+                format!("{file}{between}{first} crosses itself; the areas of {count} such faces may be wrong").into(),
+            );
         }
         if cut.off_plane.0 > 0 {
             let (count, most) = cut.off_plane;
             report.warnings.push(format!(
                 "{file}: {count} faces are not flat, with corners up to {most:.2} m off their plane (limit {OFF_PLANE_M} m); they are \
                  folded along their diagonals"
-            ));
+            ).into());
         }
     }
 
@@ -562,8 +565,8 @@ impl Pile {
         report.degenerate_dropped += dropped.degenerate;
         report.duplicates_dropped = dropped.duplicates;
         report.materials = count_uses(&mesh, &used, &sorted);
-        report.warnings.extend(contested_warning(dropped.contested));
-        report.warnings.extend(late);
+        report.warnings.extend(contested_warning(dropped.contested).into_iter().map(Message::from));
+        report.warnings.extend(late.into_iter().map(Message::from));
         let ground_assumed = std::mem::take(&mut report.assumed);
         let materials = palette.select(&mut report)?;
         report.assumed.extend(ground_assumed);

@@ -126,7 +126,7 @@ pub(super) fn canonical(
 ) -> Result<Canonical> {
     if triangles.len() as u64 > MAX_TRIANGLES {
         return Err(Error::Limit {
-            what: "the number of triangles of the scene".to_owned(),
+            what: "the number of triangles of the scene".into(),
             value: triangles.len() as u64,
             max: MAX_TRIANGLES,
         });
@@ -216,7 +216,7 @@ fn number_materials(triangles: &[RawTriangle]) -> Result<(Vec<u32>, Vec<u16>)> {
     used.par_sort_unstable();
     used.dedup();
     let too_many = |_| Error::Limit {
-        what: "the number of materials in use".to_owned(),
+        what: "the number of materials in use".into(),
         value: used.len() as u64,
         max: u64::from(u16::MAX),
     };
@@ -253,7 +253,7 @@ fn check_reach(grid: Grid, least: DVec3, greatest: DVec3) -> Result<()> {
         what:
             "the distance in metres from the middle of the scene to its farthest vertex (look for stray geometry, or \
                state the unit of the file with `scale` in site.toml)"
-                .to_owned(),
+                .into(),
         // `as` saturates.
         value: reach_m as u64,
         max: MOST_M as u64,

@@ -78,7 +78,7 @@ impl Mirrors {
         }
         if sums.len() > MOST_ORIENTATIONS {
             return Err(Error::Limit {
-                what: "the number of orientations of mirrors (make curved mirrors of fewer planes)".to_owned(),
+                what: "the number of orientations of mirrors (make curved mirrors of fewer planes)".into(),
                 value: sums.len() as u64,
                 max: MOST_ORIENTATIONS as u64,
             });

@@ -18,7 +18,7 @@ use crate::surface_city::TREES;
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::material::{Class, Material};
-use heliotile_core::text::{counted, with_list};
+use heliotile_core::text::{Message, counted, message, with_list};
 
 /// Most unused names of a table that are compared with names of the scene, and most names of the
 /// scene: malformed or hostile files hold tens of thousands.
@@ -213,34 +213,34 @@ impl Palette {
 /// Most names that stand in the warning itself; more become a list.
 const MOST_NAMED: usize = 4;
 
-fn assumed_warning(assumed: Vec<String>) -> Option<String> {
-    let (start, end) = ("no file states how much light", "state it in a materials.toml ({materials})");
+fn assumed_warning(assumed: Vec<String>) -> Option<Message> {
+    let (start, end) = ("no file states how much light", Message::from("state it in a materials.toml ({materials})"));
     match assumed.len() {
         0 => None,
-        1..=MOST_NAMED => Some(format!("{start} these materials reflect; assumed: {}; {end}", assumed.join(", "))),
+        1..=MOST_NAMED => Some(message!("{start} these materials reflect; assumed: {}; ", assumed.join(", ")).and(end)),
         count => {
-            let sentence = format!("{start} {count} materials reflect; usual values are assumed; {end}");
-            Some(with_list(&sentence, assumed))
+            let sentence = message!("{start} {count} materials reflect; usual values are assumed; ").and(end);
+            Some(with_list(sentence, assumed))
         }
     }
 }
 
 /// Returns the warning about leaves that scatter no light because no table says that they do.
-fn black_warning(names: Vec<String>) -> Option<String> {
+fn black_warning(names: Vec<String>) -> Option<Message> {
     let (first, count) = (names.first()?, names.len());
     let others = if count > 1 { format!(" and {} more", counted(count as u64 - 1, "material")) } else { String::new() };
-    Some(format!(
+    Some(message!(
         "leaves of `{first}`{others} are black: they absorb the light that they do not let through; state their `diffuse` in a materials.toml \
          ({{materials}}), such as 0.45"
     ))
 }
 
-fn unused_warning(path: &Path, unused: Vec<String>) -> Option<String> {
+fn unused_warning(path: &Path, unused: Vec<String>) -> Option<Message> {
     let of = path.display();
     match unused.len() {
         0 => None,
-        1 => Some(format!("{of}: the scene does not use material {}", unused.concat())),
-        2..=MOST_NAMED => Some(format!("{of}: the scene does not use materials {}", unused.join(", "))),
-        count => Some(with_list(&format!("{of}: the scene does not use {count} of its materials"), unused)),
+        1 => Some(message!("{of}: the scene does not use material {}", unused.concat())),
+        2..=MOST_NAMED => Some(message!("{of}: the scene does not use materials {}", unused.join(", "))),
+        count => Some(with_list(format!("{of}: the scene does not use {count} of its materials"), unused)),
     }
 }

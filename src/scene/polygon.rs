@@ -74,7 +74,7 @@ pub(super) fn triangulate(geometry: &Geometry) -> Result<Triangulation> {
                 line => format!("the face in line {line}"),
             };
             let what = format!("the number of corners of {place}{what}");
-            Error::Limit { what, value: corners.len() as u64, max: max as u64 }
+            Error::Limit { what: what.into(), value: corners.len() as u64, max: max as u64 }
         };
         if corners.len() > MAX_CORNERS {
             return Err(beyond("", MAX_CORNERS));

@@ -311,7 +311,7 @@ fn read_site(path: &Path, materials: Option<&Path>) -> Result<SceneFiles> {
     let text = String::from_utf8_lossy(&bytes);
     let document: Document = toml::from_str(&text).map_err(|error| {
         let line = error.span().map(|span| line_of_offset(text.as_bytes(), span.start));
-        Error::input(path, line, error.message(), KEYS)
+        Error::input(path, line, error.message().to_owned(), KEYS)
     })?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut parts = Vec::new();

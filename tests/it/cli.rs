@@ -44,8 +44,14 @@ impl Folder {
         command
     }
 
+    /// Runs a command. No message of it holds a name in braces that a face has a word for.
     pub fn run(&self, arguments: &str) -> Output {
-        self.command(arguments).output().expect("the program")
+        let output = self.command(arguments).output().expect("the program");
+        let said = stderr(&output);
+        let names = said.split('{').skip(1).filter_map(|behind| Some(behind.split_once('}')?.0));
+        let bare = names.filter(|name| name.starts_with("command:") || heliotile_program::option_of(name).is_some());
+        assert_eq!(bare.collect::<Vec<_>>(), [] as [&str; 0], "{arguments}: {said}");
+        output
     }
 
     pub fn build(&self) -> Output {
@@ -75,6 +81,20 @@ pub fn stderr(output: &Output) -> String {
 
 pub fn golden() -> PathBuf {
     Path::new(crate::ROOT).join("tests/data/weather/golden_3_days.epw")
+}
+
+/// Names of files are shown as they are, also those in braces that are names of options: of 2
+/// folders and a material.
+#[test]
+fn names_in_braces_are_no_options() {
+    let folder = Folder::new();
+    fs::create_dir(folder.path("{weather}")).expect("a folder");
+    let said = |arguments: &str| stderr(&folder.command(arguments).output().expect("the program"));
+    let missing = said("info {weather}/{command:verify}.helio");
+    assert!(missing.contains("{weather}/{command:verify}.helio"), "{missing}");
+    fs::copy(folder.path("receivers.csv"), folder.path("{weather}/{every}.txt")).expect("a file");
+    let wrong = said("run scene.obj --weather {weather}/{every}.txt");
+    assert!(wrong.contains("{weather}/{every}.txt") && wrong.contains("--"), "{wrong}");
 }
 
 /// Build, query and replay give the stable columns: 9 columns, 6 rows of a query, 216 of three

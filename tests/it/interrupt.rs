@@ -154,9 +154,9 @@ fn resumed_builds_name_misplaced_receivers() {
     let plan = (what, Target { start: Start::Resume, ..output });
     let report = crate::scenes::build(&scene, &mut tiles(&receivers, &scene), &plan).expect("a build");
     assert_eq!((report.rays.sky, report.rays.hit), (0, 0));
-    let named: Vec<&String> = report.warnings.iter().filter(|w| w.contains("inside a solid")).collect();
+    let named: Vec<_> = report.warnings.iter().filter(|w| w.contains("inside a solid")).collect();
     assert!(
-        named.len() == 1 && named[0].starts_with("1 receiver lies") && named[0].ends_with("buried"),
+        named.len() == 1 && named[0].plain().starts_with("1 receiver lies") && named[0].plain().ends_with("buried"),
         "{:?}",
         report.warnings
     );

@@ -203,7 +203,7 @@ fn good_scenes_get_no_warning_about_their_place() {
         let scene = Scene::load(&data.join(file), None).expect(file);
         for warning in &scene.report.warnings {
             let words = ["--scale", "degrees", "lies", "km from", "on the ground", "--elevation"];
-            assert!(!words.iter().any(|word| warning.contains(word)), "{file}: {warning}");
+            assert!(!words.iter().any(|word| warning.contains(word)), "{file}: {warning:?}");
         }
         let somewhere: Option<Place> = scene.place;
         assert!(somewhere.is_none_or(|place| place.convergence_deg.abs() < 3.0), "{file}");

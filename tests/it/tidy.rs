@@ -164,8 +164,8 @@ fn public_types_have_names_of_their_own() {
 }
 
 /// Rooms whose messages the program, Python and the page show, each in its own words.
-const OF_ALL_FACES: [&str; 7] =
-    ["src/core", "src/scene", "src/builder", "src/remote", "src/results", "src/atlas", "src/energyplus"];
+const OF_ALL_FACES: [&str; 8] =
+    ["src/core", "src/scene", "src/builder", "src/remote", "src/results", "src/atlas", "src/energyplus", "src/cases"];
 
 /// A string literal in the code.
 struct Literal<'a> {
@@ -173,6 +173,8 @@ struct Literal<'a> {
     text: &'a str,
     /// Code in front of the literal.
     before: &'a str,
+    /// Code behind the literal.
+    behind: &'a str,
 }
 
 impl Literal<'_> {
@@ -182,6 +184,13 @@ impl Literal<'_> {
         let before = self.before.trim_end();
         let start = before.strip_suffix(',').map_or(before, |written| written.trim_end_matches(to).trim_end());
         start.ends_with("!(")
+    }
+
+    /// Returns true if names in the literal are lost: it becomes a `String`, which names nothing.
+    fn loses_names(&self) -> bool {
+        let behind = self.behind.trim_start();
+        let is_owned = [".to_owned()", ".to_string()"].iter().any(|owned| behind.starts_with(owned));
+        is_owned || self.is_format() && !self.before.trim_end().ends_with("message!(")
     }
 
     /// Returns the names in braces, for each face to say in its own words: fields of requests, and
@@ -225,7 +234,8 @@ fn literals(code: &str) -> Vec<Literal<'_>> {
         let end = at + end.unwrap_or(rest.len() - 1) + 1;
         let text = &code[at..end.min(code.len())];
         if text.starts_with(['"', 'r']) {
-            found.push(Literal { line: code[..at].matches('\n').count() + 1, text, before: &code[..at] });
+            let (before, behind) = (&code[..at], code.get(end..).unwrap_or_default());
+            found.push(Literal { line: before.matches('\n').count() + 1, text, before, behind });
         }
         at = end;
     }
@@ -277,6 +287,7 @@ fn the_library_names_no_option() {
                     None => heliotile_program::option_of(name).is_some(),
                 };
                 assert!(known, "no option and no command is {name}: {}", at());
+                assert!(!literal.loses_names(), "names are lost, use message! or a `&'static str`: {}", at());
                 names += 1;
             }
             if literal.before.trim_end().ends_with("Error::argument(") {
@@ -299,6 +310,7 @@ fn the_library_names_no_option() {
 fn texts_are_found() {
     let code = "// \"no\"\nlet c = '\"'; /* \"no\" */ f('\\'', \"a \\\" b\");\nformat!(\"{a} {{every}}\");\nwrite!(f, \"{{on}}\"); &'a r#\"{year} \"x\"#";
     let found = literals(code);
+    assert_eq!(found.iter().map(Literal::loses_names).collect::<Vec<_>>(), [false, true, true, false]);
     let texts: Vec<(usize, &str)> = found.iter().map(|literal| (literal.line, literal.text)).collect();
     assert_eq!(texts, [(2, "\"a \\\" b\""), (3, "\"{a} {{every}}\""), (4, "\"{{on}}\""), (4, "r#\"{year} \"x\"#")]);
     assert_eq!(found.iter().flat_map(Literal::named).collect::<Vec<_>>(), ["every", "on", "year"]);

@@ -116,7 +116,7 @@ impl ExportRequest {
                 return Err(Error::argument(name, format!("is {irradiance}"), hint));
             }
         }
-        let excluded = |names: &str, hint: &str| Err(Error::argument(names, "do not go together", hint));
+        let excluded = |names: &str, hint: &'static str| Err(Error::argument(names, "do not go together", hint));
         match self {
             _ if self.weather.is_some() && self.latitude_deg.is_some() => {
                 excluded("weather, latitude", "give one of them")

@@ -14,11 +14,12 @@ use heliotile_core::archive::{Access, Archive, format};
 use heliotile_core::error::Result;
 use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::memory::Use;
-use heliotile_core::observer::Observer;
+use heliotile_core::observer::{Observer, Tone};
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::Component;
 use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::site::receiver::Receiver;
+use heliotile_core::text::Message;
 use heliotile_core::weather::conditions::Condition;
 
 /// Common inputs of the trials of one site.
@@ -40,8 +41,10 @@ pub struct Bench<'a> {
 struct Quiet<'a>(&'a dyn Observer);
 
 impl Observer for Quiet<'_> {
-    fn warn(&self, text: &str) {
-        self.0.warn(text);
+    fn tell(&self, tone: Tone, message: Message) {
+        if tone == Tone::Warning {
+            self.0.tell(tone, message);
+        }
     }
 
     fn cancelled(&self) -> bool {

@@ -80,7 +80,7 @@ impl<'a> Before<'a> {
         let scene = ready.scene;
         check_scene(archive)?;
         let useless =
-            |why: &str| observer.warn(&format!("{}: {why}: nothing of it is reused", archive.path().display()));
+            |why: &str| observer.warn(format!("{}: {why}: nothing of it is reused", archive.path().display()));
         if archive.manifest().settings.hash()? != settings.hash()? {
             let differ = archive.manifest().settings.differences(&settings.stated())?;
             useless(&format!("it was built with other settings ({})", differ.join("; ")));

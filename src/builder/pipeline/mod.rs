@@ -21,6 +21,7 @@ mod site_tracer;
 mod tiles;
 mod unaltered;
 
+use heliotile_core::text::{Message, message};
 use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
@@ -90,7 +91,8 @@ impl Workspace {
         let rows = ReceiverRows::open(table, scene.table_north(), &mut warnings)?.over(&surface);
         let receivers = ReceiverTiles::open(rows, scene.mesh.origin, &self.folder, budget)?;
         let far = |farthest| far_receivers(scene, receivers.bounds(), farthest, receivers.count());
-        warnings.extend(receivers.farthest().and_then(far).map(|far| format!("{}: {far}", table.name().display())));
+        let named = |far: Message| Message::from(format!("{}: ", table.name().display())).and(far);
+        warnings.extend(receivers.farthest().and_then(far).map(named));
         warnings.iter().for_each(|warning| observer.warn(warning));
         Ok(receivers)
     }
@@ -177,7 +179,7 @@ impl Build<'_> {
         if let Some(done) = writer.resumed() {
             let megabytes = done.bytes as f64 / 1e6;
             self.observer
-                .warn(&format!("continuing an interrupted build after {} blocks of {megabytes:.1} MB", done.blocks));
+                .warn(format!("continuing an interrupted build after {} blocks of {megabytes:.1} MB", done.blocks));
         }
         let tracer = SiteTracer::new(self.scene, settings, self.workspace, self.observer, facts, known, before);
         let traced = trace(&tracer, plan, self.receivers, &mut writer, &mut clock);
@@ -204,7 +206,7 @@ impl Build<'_> {
 struct Traced {
     counts: BuildCounts,
     rays: RayCounts,
-    warnings: Vec<String>,
+    warnings: Vec<Message>,
     manifest: Manifest,
     lost_in_mirrors: [f64; 2],
 }
@@ -218,7 +220,7 @@ fn trace(
     clock: &mut Clock,
 ) -> Result<Traced> {
     let farthest = receivers.farthest().and_then(|receiver| far_away(tracer.tracer, tracer.scene, receiver));
-    let mut warnings: Vec<String> = farthest.into_iter().collect();
+    let mut warnings: Vec<Message> = farthest.into_iter().collect();
     let mut rays = RayCounts::default();
 
     let mut found = TilesFound::default();
@@ -256,7 +258,7 @@ fn trace(
     tracer.write_name_index(receivers, writer)?;
     let manifest = tracer.manifest(&counts, plan, writer.layers());
     warnings.extend(tiles::warnings(&found.misplaced));
-    warnings.extend(in_hulls(tracer.count_in_hulls(receivers)?));
+    warnings.extend(in_hulls(tracer.count_in_hulls(receivers)?).into_iter().map(Message::from));
     let lost_in_mirrors = tracer.lost.each_ref().map(|lost| f64::from_bits(lost.load(Ordering::Relaxed)));
     Ok(Traced { counts, rays, warnings, manifest, lost_in_mirrors })
 }
@@ -265,10 +267,10 @@ fn trace(
 const LARGE_OFFSET_M: f64 = 0.01;
 
 /// Returns a warning if a receiver is so far from the scene's origin that details near it are lost.
-fn far_away(tracer: &Tracer, scene: &Scene, worst: &Receiver) -> Option<String> {
+fn far_away(tracer: &Tracer, scene: &Scene, worst: &Receiver) -> Option<Message> {
     let (offset_m, o) = (tracer.grid().offset_m(worst.position), scene.mesh.origin);
     (offset_m > LARGE_OFFSET_M).then(|| {
-        format!(
+        message!(
             "receiver {} lies far from the scene's centre ({:.0}, {:.0}, {:.0}): rays start {:.1} mm off its surface and finer \
              details are lost; look for stray geometry, or build the site in parts",
             worst.id,

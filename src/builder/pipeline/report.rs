@@ -1,5 +1,6 @@
 //! Report of a build. In: counts and times. Out: a report for people and tables.
 
+use heliotile_core::text::Message;
 use std::time::Instant;
 
 use super::manifest::BuildCounts;
@@ -19,7 +20,7 @@ pub struct BuildReport {
     /// Root hash of the archive, which identifies its content.
     pub root: [u8; 32],
     /// Warnings for the user.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Message>,
     /// Largest share of a receiver's light, and of a cell's, that was lost behind the last mirror
     /// followed.
     pub lost_in_mirrors: [f64; 2],

@@ -40,7 +40,7 @@ use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::tile::sky_view_factor;
 use heliotile_core::site::cells::CellKey;
 use heliotile_core::site::receiver::Receiver;
-use heliotile_core::text::{counted, with_list};
+use heliotile_core::text::{Message, counted, with_list};
 
 /// Sky view below which an enclosed receiver counts as inside a solid.
 pub(super) const BLIND: f64 = 1e-4;
@@ -92,7 +92,7 @@ const MOST_NAMES: usize = 3;
 
 /// Returns one warning for each kind of misplacement with the names of the receivers. More than a
 /// few names follow as a list.
-pub(super) fn warnings(misplaced: &[Misplaced]) -> Vec<String> {
+pub(super) fn warnings(misplaced: &[Misplaced]) -> Vec<Message> {
     let mut inside = Vec::new();
     let mut touching = Vec::new();
     for m in misplaced {
@@ -106,8 +106,8 @@ pub(super) fn warnings(misplaced: &[Misplaced]) -> Vec<String> {
         let (count, what) = (counted(list.len() as u64, "receiver"), if list.len() == 1 { one } else { many });
         let sentence = format!("{count} {what}: {}", list[..shown].join(", "));
         (shown > 0).then(|| match list.len() - shown {
-            0 => sentence,
-            more => with_list(&format!("{sentence} and {more} more"), list),
+            0 => sentence.into(),
+            more => with_list(format!("{sentence} and {more} more"), list),
         })
     };
     [

@@ -150,7 +150,7 @@ impl Build<'_> {
             error => error,
         })?;
         if let Some(choice) = &plan.choice {
-            self.observer.report(&tables::choice(choice));
+            self.observer.report(tables::choice(choice));
         }
         Ok(plan)
     }
@@ -167,8 +167,8 @@ impl Build<'_> {
         }
         let planned = self.decide(request)?;
         let observer = self.observer;
-        observer.report(&tables::forecast(&planned.forecast));
-        planned.losses.iter().for_each(|losses| observer.report(&tables::losses(losses)));
+        observer.report(tables::forecast(&planned.forecast));
+        planned.losses.iter().for_each(|losses| observer.report(tables::losses(losses)));
         let (with_scene, preview_percent) = (request.with_scene, request.preview_percent);
         let plan = &Plan { with_scene, preview_percent, ..planned.plan.clone() };
         let scene = self.scene.scene;
@@ -181,10 +181,10 @@ impl Build<'_> {
             store.add(&key, &output.path, &report.root)?;
         }
         report.warnings.iter().for_each(|warning| observer.warn(warning));
-        observer.report(&tables::summary(&report, scene, &output.path));
+        observer.report(tables::summary(&report, scene, &output.path));
         if let Some(choice) = &planned.choice {
             let taken = report.seconds.iter().map(|stage| stage.1).sum();
-            observer.report(&tables::outcome(choice, planned.forecast.seconds(), taken));
+            observer.report(tables::outcome(choice, planned.forecast.seconds(), taken));
         }
         Ok(BuildDone { plan: planned.plan, report })
     }

@@ -2,9 +2,10 @@
 //! states, numbers that the user sets by name. Out: numbers in range.
 
 use heliotile_core::archive::settings::{Ladder, SETTINGS, Settings};
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::for_each_setting;
 use heliotile_core::named::NamedValues;
+use heliotile_core::text::Message;
 
 use super::effects::Effects;
 use super::ladder::{Rungs, quality_of};
@@ -125,7 +126,7 @@ impl Default for BuildSettings {
 }
 
 /// Returns the error for a wrong value of a setting.
-fn wrong(what: String, hint: impl Into<String>) -> Error {
+fn wrong(what: String, hint: impl Into<Message>) -> Error {
     Error::argument("set", what, hint)
 }
 
@@ -143,7 +144,9 @@ impl BuildSettings {
         let Some(setting) = SETTINGS.iter().find(|setting| setting.name == name) else {
             let mut names: Vec<&str> = SETTINGS.iter().map(|setting| setting.name).collect();
             names.sort_unstable();
-            return Err(wrong(format!("there is no setting `{name}`"), format!("set one of {}", names.join(", "))));
+            let unknown = Problem::unknown(name, names.iter().copied());
+            return Err(wrong(format!("there is no setting `{name}`"), format!("set one of {}", names.join(", ")))
+                .because(unknown));
         };
         if setting.range.is_whole() && number.fract() != 0.0 {
             return Err(wrong(format!("{name} is {value}, not a whole number"), "give a whole number"));

@@ -19,7 +19,7 @@ pub(super) fn lengths(key: &[u8], payload: &[u8]) -> Result<[u8; LENGTHS]> {
     let mut bytes = [0; LENGTHS];
     for (slot, (what, part)) in bytes.chunks_exact_mut(4).zip([("key", key), ("payload", payload)]) {
         let length = u32::try_from(part.len()).map_err(|_| Error::Limit {
-            what: format!("bytes in the {what} of a record"),
+            what: format!("bytes in the {what} of a record").into(),
             value: part.len() as u64,
             max: u64::from(u32::MAX),
         })?;

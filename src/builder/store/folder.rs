@@ -19,7 +19,8 @@ pub struct Folder {
 impl Folder {
     /// Opens a folder that is a store: an empty one, or one that holds the folder of a scene.
     pub fn open(path: &Path) -> Result<Self> {
-        let refuse = |what: &str| Err(Error::input(path, None, what, "give a folder that a build with {store} made"));
+        let refuse =
+            |what: &'static str| Err(Error::input(path, None, what, "give a folder that a build with {store} made"));
         if !path.is_dir() {
             return refuse("is not a folder");
         }

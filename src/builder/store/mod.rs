@@ -79,7 +79,7 @@ pub fn open_all(store: &dyn Store, key: &StoreKey, observer: &dyn Observer) -> R
             Ok((Some(misfit), _)) => misfit.to_string(),
             Err(error) => error.to_string(),
         };
-        observer.warn(&format!("the store's {} is not used: {why}", stored.path.display()));
+        observer.warn(format!("the store's {} is not used: {why}", stored.path.display()));
     }
     Ok(archives)
 }

@@ -32,7 +32,7 @@ pub fn differences(a: &Archive, b: &Archive) -> Result<Vec<Difference>> {
 
 fn statements(archive: &Archive) -> Result<Value> {
     let refuse = |e: serde_json::Error| Error::Unsupported {
-        what: format!("{}: reading the manifest", archive.path().display()),
+        what: format!("{}: reading the manifest", archive.path().display()).into(),
         found: e.to_string(),
         supported: "a manifest that is JSON".into(),
     };

@@ -201,7 +201,7 @@ impl<'a> ArchiveAssembly<'a> {
             }
         }
         if count > 0 {
-            self.observer.warn(&format!(
+            self.observer.warn(format!(
                 "{count} blocks of kinds that this release does not know were copied unchanged; the tiles and chunks that they may \
                  refer to were divided again"
             ));

@@ -15,7 +15,7 @@ use heliotile_core::archive::tables::NameOf;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::opened::{NameIndex, OpenSite, tiles_within};
 use heliotile_core::site::receiver::Receiver;
-use heliotile_core::text::counted;
+use heliotile_core::text::{counted, message};
 use heliotile_scene::points::receiver_ids::ReceiverIds;
 
 /// Largest number of names in a message.
@@ -183,7 +183,7 @@ fn named(names: &[String], thing: &str, of: &[NameOf], sites: &[OpenSite]) -> Re
         none(sites, ["holds no", "hold no"]),
         listed(missing.len() as u64, thing, &names)
     );
-    let hint = format!(
+    let hint = message!(
         "use the {thing} names in `receivers.csv`; {{surface}} is for surfaces, {{object}} for objects and buildings"
     );
     Err(Error::input(first(sites), None, found, hint))
@@ -293,8 +293,8 @@ impl heliotile_requests::Parse for Bounds {
         heliotile_requests::Form::TEXT
     }
 
-    fn parse(text: &str) -> std::result::Result<Self, String> {
+    fn parse(text: &str) -> std::result::Result<Self, heliotile_requests::Wrong> {
         let number = |part: &str| <f64 as heliotile_requests::Parse>::parse(part.trim());
-        Bounds::of(&text.split(',').map(number).collect::<std::result::Result<Vec<f64>, _>>()?)
+        Ok(Bounds::of(&text.split(',').map(number).collect::<std::result::Result<Vec<f64>, _>>()?)?)
     }
 }

@@ -7,7 +7,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 
 use super::copy::folder_of;
 use super::disk::{is_named, open_regular};
@@ -169,11 +169,11 @@ impl OutputGuard {
         let mut before: Vec<&Path> = Vec::new();
         for output in outputs {
             for file in &output.files {
-                if inputs.iter().any(|input| same_place(input, file)) {
-                    return Err(refused(file, "is also an input, and would be replaced"));
-                }
-                if before.iter().any(|other| same_place(other, file)) {
-                    return Err(refused(file, "is named for two outputs, of which one would be lost"));
+                refuse_same(file, inputs)?;
+                if let Some(other) = before.iter().find(|other| same_place(other, file)) {
+                    let same = Problem::SameFile { other: other.to_path_buf() };
+                    let what = "is named for two outputs, of which one would be lost";
+                    return Err(Error::input(file, None, what, OWN_NAME).because(same));
                 }
             }
             before.extend(output.files.iter().map(PathBuf::as_path));
@@ -211,10 +211,7 @@ impl Drop for OutputGuard {
 
 /// Refuses to replace an input of a command of this process.
 pub(super) fn guard_inputs(output: &Path) -> Result<()> {
-    match list(&INPUTS).iter().any(|input| same_place(input, output)) {
-        true => Err(refused(output, "is also an input, and would be replaced")),
-        false => Ok(()),
-    }
+    refuse_same(output, &list(&INPUTS))
 }
 
 /// Returns true if a command of this process has claimed a file or a folder around it.
@@ -293,8 +290,14 @@ fn held(output: &Path) -> Error {
     Error::input(output, None, "is being written by another run", "wait for it to end, or give another name")
 }
 
-fn refused(file: &Path, what: &str) -> Error {
-    Error::input(file, None, what, "give the output a name of its own")
+/// Advice for an output that is another file as well.
+pub(super) const OWN_NAME: &str = "give the output a name of its own";
+
+/// Refuses a file to write that is one of the inputs.
+pub(super) fn refuse_same(file: &Path, inputs: &[impl AsRef<Path>]) -> Result<()> {
+    let Some(other) = inputs.iter().map(AsRef::as_ref).find(|input| same_place(input, file)) else { return Ok(()) };
+    let same = Problem::SameFile { other: other.to_path_buf() };
+    Err(Error::input(file, None, "is also an input, and would be replaced", OWN_NAME).because(same))
 }
 
 fn list(of: &'static Mutex<Vec<PathBuf>>) -> MutexGuard<'static, Vec<PathBuf>> {

@@ -9,7 +9,7 @@ use heliotile_core::archive::format;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::text::is_address;
 
-use super::claim::same_place;
+use super::claim::{OWN_NAME, refuse_same};
 use heliotile_scene::site::SceneFiles;
 
 /// Refuses an output that would replace a file of the scene or another input.
@@ -21,11 +21,12 @@ pub fn guard_site(output: &Path, site: &SceneFiles, others: &[Option<&Path>]) ->
 /// Refuses an output that would replace one of the inputs, or that is no regular file (a folder, a
 /// device).
 pub fn guard_output(output: &Path, inputs: &[&Path]) -> Result<()> {
-    let refuse = |what: &str| Err(Error::input(output, None, what, "give the output a name of its own"));
     match fs::metadata(output) {
-        Ok(found) if !found.is_file() => refuse("is a folder or a device, no file can be put in its place"),
-        _ if inputs.iter().any(|input| same_place(input, output)) => refuse("is also an input, and would be replaced"),
-        _ => Ok(()),
+        Ok(found) if !found.is_file() => {
+            let what = "is a folder or a device, no file can be put in its place";
+            Err(Error::input(output, None, what, OWN_NAME))
+        }
+        _ => refuse_same(output, inputs),
     }
 }
 

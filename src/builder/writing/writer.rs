@@ -194,7 +194,7 @@ impl Writer {
         }
         if self.entries.len() as u64 >= MAX_ENTRIES {
             let value = MAX_ENTRIES.saturating_add(1);
-            return Err(Error::Limit { what: "number of blocks".to_string(), value, max: MAX_ENTRIES });
+            return Err(Error::Limit { what: "number of blocks".into(), value, max: MAX_ENTRIES });
         }
         entry.offset = self.place(stored.len())?;
         self.attempt(|writer| writer.partial.write(entry.offset, &stored))?;
@@ -285,9 +285,9 @@ impl Writer {
     pub fn finish(mut self, manifest: &Manifest) -> Result<Summary> {
         let entries: Vec<Entry> = self.entries.values().copied().collect();
         manifest.check(&entries).map_err(|wrong| Error::Unsupported {
-            what: format!("{}: the manifest does not fit the blocks", self.path.display()),
+            what: format!("{}: the manifest does not fit the blocks", self.path.display()).into(),
             found: wrong.got,
-            supported: wrong.expected,
+            supported: wrong.expected.into(),
         })?;
         let json = manifest.to_json()?;
         self.attempt(|writer| writer.publish(&entries, &json))
@@ -348,7 +348,7 @@ impl Writer {
     fn place(&self, length: usize) -> Result<u64> {
         let max = u64::MAX;
         format::align(self.end).filter(|start| start.checked_add(length as u64).is_some()).ok_or(Error::Limit {
-            what: "length of the archive in bytes".to_string(),
+            what: "length of the archive in bytes".into(),
             value: self.end,
             max,
         })
@@ -374,7 +374,7 @@ fn check_own(partial: &Handle) -> Result<()> {
 /// Returns the error for a build that would overwrite an interrupted one.
 fn lies_there(partial: &Path, done: Progress) -> Error {
     let what = format!("is an interrupted build of which {} blocks, {} bytes are done", done.blocks, done.bytes);
-    Error::Incomplete { partial: partial.to_path_buf(), what, hint: journal::REMOVE.to_string() }
+    Error::Incomplete { partial: partial.to_path_buf(), what: what.into(), hint: journal::REMOVE.to_string().into() }
 }
 
 impl Drop for Writer {

@@ -1,6 +1,7 @@
 //! Kind of a file, from its first bytes and, where these do not tell, from its name. In: a file.
 //! Out: a kind that is certain, or none: then its reader decides.
 
+use heliotile_core::text::{Message, message};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -58,29 +59,29 @@ fn name(wanted: InputKind) -> &'static str {
     }
 }
 
-fn advice(wanted: InputKind, kind: Kind, file: &str) -> String {
+fn advice(wanted: InputKind, kind: Kind, file: &str) -> Message {
     match (wanted, kind) {
         (InputKind::Weather, Kind::Scene(_)) => {
-            format!("give scene files by themselves: {{command:run}} {file} --weather WEATHER.epw")
+            message!("give scene files by themselves: {{command:run}} {file} --weather WEATHER.epw")
         }
         (_, Kind::Archive) => {
-            format!("replay the archive without tracing: {{command:replay}} {file} --weather WEATHER.epw")
+            message!("replay the archive without tracing: {{command:replay}} {file} --weather WEATHER.epw")
         }
         (InputKind::Archive, Kind::Scene(_)) => {
-            format!("trace the scene to an archive first: {{command:run}} {file} --weather WEATHER.epw")
+            message!("trace the scene to an archive first: {{command:run}} {file} --weather WEATHER.epw")
         }
-        (InputKind::Conditions, Kind::Weather(_)) => format!("{{command:replay}} SITE.helio --weather {file}"),
+        (InputKind::Conditions, Kind::Weather(_)) => message!("{{command:replay}} SITE.helio --weather {file}"),
         (InputKind::SceneOrArchive, Kind::Weather(_)) => {
-            format!("describe weather by: {{command:info}} --weather {file}")
+            message!("describe weather by: {{command:info}} --weather {file}")
         }
-        (_, Kind::Weather(_)) => format!("give weather with its name: {{weather}} {file}"),
-        (_, Kind::Receivers) => format!("give receivers with their name: {{receivers}} {file}"),
-        (_, Kind::Conditions) => format!("{{command:query}} SITE.helio --conditions {file}"),
+        (_, Kind::Weather(_)) => message!("give weather with its name: {{weather}} {file}"),
+        (_, Kind::Receivers) => message!("give receivers with their name: {{receivers}} {file}"),
+        (_, Kind::Conditions) => message!("{{command:query}} SITE.helio --conditions {file}"),
         (InputKind::Receivers, Kind::Scene(_)) => {
-            format!("make receivers for the scene: {{command:receivers}} {file} -o receivers.csv")
+            message!("make receivers for the scene: {{command:receivers}} {file} -o receivers.csv")
         }
         (_, Kind::Scene(_)) => {
-            format!("give scene files by themselves: {{command:run}} {file} --weather WEATHER.epw")
+            message!("give scene files by themselves: {{command:run}} {file} --weather WEATHER.epw")
         }
         (_, Kind::Results) => "this table holds results of heliotile: give the inputs that they were made from".into(),
     }

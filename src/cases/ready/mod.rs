@@ -6,6 +6,7 @@ mod kind;
 #[cfg(test)]
 mod pairs_tests;
 
+use heliotile_core::text::message;
 use std::path::Path;
 
 use heliotile_builder::writing::claim::{ClaimedOutput, OutputGuard};
@@ -75,7 +76,7 @@ fn check_output(path: &Path, written: OutputKind, geo: bool) -> Result<()> {
         return Ok(());
     }
     if is_address(path) {
-        let hint = format!("write a file, and then: {{command:copy}} FILE {}", shown(path).display());
+        let hint = message!("write a file, and then: {{command:copy}} FILE {}", shown(path).display());
         return Err(Error::input(&shown(path), None, "is an address, and only `copy` writes to addresses", hint));
     }
     match written {

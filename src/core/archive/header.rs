@@ -61,9 +61,9 @@ pub fn read(source: &Source) -> Result<Header> {
 fn check_supported(path: &Path, slot: &Slot) -> Result<()> {
     if (slot.major, slot.minor) != (MAJOR, MINOR) {
         return Err(Error::Unsupported {
-            what: format!("{}: format of the archive", path.display()),
+            what: format!("{}: format of the archive", path.display()).into(),
             found: format!("format {}.{}", slot.major, slot.minor),
-            supported: format!("format {MAJOR}.{MINOR} only: build the archive again with this release"),
+            supported: format!("format {MAJOR}.{MINOR} only: build the archive again with this release").into(),
         });
     }
     let unknown = slot.unknown_bits();
@@ -76,7 +76,7 @@ fn check_supported(path: &Path, slot: &Slot) -> Result<()> {
     };
     let bits = unknown.iter().map(named).collect::<Vec<_>>().join(", ");
     Err(Error::Unsupported {
-        what: format!("{}: required features of the archive", path.display()),
+        what: format!("{}: required features of the archive", path.display()).into(),
         found: format!("feature bit {bits}"),
         supported: "none: build the archive again with this release".into(),
     })

@@ -171,9 +171,9 @@ impl Manifest {
     /// infinite) and more than 1 MiB.
     pub fn to_json(&self) -> Result<Vec<u8>> {
         let refuse = |found: String| Error::Unsupported {
-            what: "writing the manifest".to_string(),
+            what: "writing the manifest".into(),
             found,
-            supported: "finite numbers, and no unknown key with the name of a known one".to_string(),
+            supported: "finite numbers, and no unknown key with the name of a known one".into(),
         };
         let mut value = serde_json::to_value(self).map_err(|e| refuse(e.to_string()))?;
         value.sort_all_objects();
@@ -181,7 +181,7 @@ impl Manifest {
         bytes.push(b'\n');
         if bytes.len() as u64 > MAX_MANIFEST {
             let (what, value) = ("length of the manifest in bytes".to_string(), bytes.len() as u64);
-            return Err(Error::Limit { what, value, max: MAX_MANIFEST });
+            return Err(Error::Limit { what: what.into(), value, max: MAX_MANIFEST });
         }
         match Manifest::from_json(&bytes) {
             Ok(same) if same == *self => Ok(bytes),

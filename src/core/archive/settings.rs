@@ -207,9 +207,9 @@ impl Settings {
 
 fn unnamed(error: serde_json::Error) -> Error {
     Error::Unsupported {
-        what: "naming settings".to_string(),
+        what: "naming settings".into(),
         found: error.to_string(),
-        supported: "what JSON can hold".to_string(),
+        supported: "what JSON can hold".into(),
     }
 }
 

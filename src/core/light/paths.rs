@@ -93,8 +93,8 @@ impl heliotile_requests::Parse for MaxBounces {
         heliotile_requests::Form::TEXT
     }
 
-    fn parse(text: &str) -> Result<Self, String> {
-        parse_depth(text)
+    fn parse(text: &str) -> Result<Self, heliotile_requests::Wrong> {
+        Ok(parse_depth(text)?)
     }
 }
 

@@ -58,7 +58,7 @@ impl Scratch for MemoryScratch {
         let all = self.bytes.read().unwrap_or_else(PoisonError::into_inner);
         let (start, end) = range(offset, bytes.len())?;
         let held = all.get(start..end).ok_or_else(|| Error::Limit {
-            what: "end of a read from temporary storage".to_string(),
+            what: "end of a read from temporary storage".into(),
             value: end as u64,
             max: all.len() as u64,
         })?;
@@ -76,7 +76,7 @@ fn range(offset: u64, length: usize) -> Result<(usize, usize)> {
 /// Returns the error for more bytes than there are addresses or memory.
 fn too_much(offset: u64, length: usize) -> Error {
     Error::Limit {
-        what: "size of the temporary storage in memory, in bytes,".to_string(),
+        what: "size of the temporary storage in memory, in bytes,".into(),
         value: offset.saturating_add(length as u64),
         max: isize::MAX as u64,
     }

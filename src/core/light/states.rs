@@ -81,11 +81,11 @@ impl States {
                     "number of different transmittances in the schedule, which vary too much to be interpolated \
                      (round them),"
                         .to_string();
-                return Err(Error::Limit { what, value: found as u64, max: MOST as u64 });
+                return Err(Error::Limit { what: what.into(), value: found as u64, max: MOST as u64 });
             }
             if found > MOST {
                 let what = format!("number of states of {} reflectances that change independently", series.len());
-                return Err(Error::Limit { what, value: found as u64, max: MOST as u64 });
+                return Err(Error::Limit { what: what.into(), value: found as u64, max: MOST as u64 });
             }
             return Ok(distinct);
         };

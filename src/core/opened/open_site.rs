@@ -45,7 +45,11 @@ impl SiteFacts {
     ) -> Result<Self> {
         if !origin.is_finite() {
             let what = format!("{}: origin of the scene in the manifest", path.display());
-            return Err(Error::Unsupported { what, found: origin.to_string(), supported: "finite metres".to_string() });
+            return Err(Error::Unsupported {
+                what: what.into(),
+                found: origin.to_string(),
+                supported: "finite metres".into(),
+            });
         }
         let settings = SiteSettings::of(stated, path)?;
         let (receivers, tiles) = (receivers.count, receivers.tiles);

@@ -45,7 +45,7 @@ impl SiteSettings {
     pub fn of(stated: &Settings, path: &Path) -> Result<Self> {
         let refuse = |found: String, supported: String| {
             let what = format!("{}: settings in the manifest", path.display());
-            Err(Error::Unsupported { what, found, supported })
+            Err(Error::Unsupported { what: what.into(), found, supported: supported.into() })
         };
         let [plain, fine, cell] = MAX_SIDES;
         for (name, number, most) in [

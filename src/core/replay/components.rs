@@ -2,6 +2,8 @@
 
 use std::str::FromStr;
 
+use heliotile_requests::{Problem, Wrong};
+
 /// Ending of the value columns of sums over periods.
 pub const SUM_SUFFIX: &str = "_kwh_m2";
 
@@ -356,22 +358,23 @@ fn renamed(name: &str) -> Option<String> {
 
 /// Parses `total,sun_direct`: names with or without the ending of sums.
 impl FromStr for ComponentList {
-    type Err = String;
+    type Err = Wrong;
 
-    fn from_str(text: &str) -> Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, Wrong> {
         let known = || Component::ALL.into_iter().chain(Component::FURTHER);
         let mut list = Vec::new();
         for part in text.split(',').map(str::trim) {
             let is_named = |c: &Component| part.strip_suffix(c.measure().sum_suffix()).unwrap_or(part) == c.name();
             let Some(component) = known().find(is_named) else {
                 if let Some(now) = renamed(part) {
-                    return Err(format!("the column `{part}` is now called `{now}`"));
+                    return Err(format!("the column `{part}` is now called `{now}`").into());
                 }
                 let names: Vec<&str> = known().map(Component::name).collect();
-                return Err(format!("`{part}` is not a known column; known columns: {}", names.join(", ")));
+                let what = format!("`{part}` is not a known column; known columns: {}", names.join(", "));
+                return Err(Wrong { problem: Problem::unknown(part, names), what });
             };
             if list.contains(&component) {
-                return Err(format!("`{}` is named twice", component.name()));
+                return Err(format!("`{}` is named twice", component.name()).into());
             }
             list.push(component);
         }
@@ -426,15 +429,15 @@ mod tests {
     fn unknown_empty_and_repeated_names_are_refused() {
         let refused = |text: &str| text.parse::<ComponentList>().expect_err(text);
         let earlier = refused("total,sky_diffuse_ground_kwh_m2");
-        assert!(earlier.ends_with("is now called `sky_reflected_ground_kwh_m2`"), "{earlier}");
-        assert!(refused("sun_specular").ends_with("is now called `sun_mirrored`"));
+        assert!(earlier.what.ends_with("is now called `sky_reflected_ground_kwh_m2`"), "{earlier}");
+        assert!(refused("sun_specular").what.ends_with("is now called `sun_mirrored`"));
         let unknown = refused("sun");
         assert!(
-            Component::ALL.into_iter().chain(Component::FURTHER).all(|c| unknown.contains(c.name()))
-                && unknown.contains("`sun`"),
+            Component::ALL.into_iter().chain(Component::FURTHER).all(|c| unknown.what.contains(c.name()))
+                && unknown.what.contains("`sun`"),
             "{unknown}"
         );
-        assert!(refused("total,").contains("`` is not a known column"));
-        assert!(refused("total,total_kwh_m2").contains("`total` is named twice"));
+        assert!(refused("total,").what.contains("`` is not a known column"));
+        assert!(refused("total,total_kwh_m2").what.contains("`total` is named twice"));
     }
 }

@@ -2,6 +2,7 @@
 //! archive's materials, the weather. Out: checked schedules of materials.
 
 use crate::named::NamedValues;
+use crate::text::{Message, message};
 use heliotile_requests::Request;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -158,7 +159,7 @@ impl Changes {
         changeable: &Changeable,
         rows: &[WeatherRow],
         files: ReadFile,
-    ) -> Result<(Vec<Schedule>, Vec<String>)> {
+    ) -> Result<(Vec<Schedule>, Vec<Message>)> {
         let materials = changeable.materials;
         let mut schedules = by_month(changeable, rows)?;
         schedules.extend(self.reflecting(changeable, rows.len())?);
@@ -177,7 +178,7 @@ impl Changes {
                         "the weather file states no snow depth (TMY3 has none): {snow} depth changes nothing".into()
                     }
                     Snow::Depth => {
-                        format!("the weather file never has {COVER_CM} cm of snow: {{snow}} depth changes nothing")
+                        message!("the weather file never has {COVER_CM} cm of snow: {{snow}} depth changes nothing")
                     }
                     Snow::Albedo => "the weather file has no albedo: {snow} albedo changes nothing".into(),
                 });
@@ -242,10 +243,10 @@ impl Changeable<'_> {
             true => "give a material a `transmittance` in materials.toml and build the archive again".to_string(),
             false => format!("name canopies or their group: {}", canopies.join(", ")),
         };
-        self.some(members, name, "is not a canopy: it has no transmittance", &hint)
+        self.some(members, name, "is not a canopy: it has no transmittance", hint)
     }
 
-    fn some(&self, members: Vec<usize>, name: &str, what: &str, hint: &str) -> Result<Vec<usize>> {
+    fn some(&self, members: Vec<usize>, name: &str, what: &str, hint: impl Into<Message>) -> Result<Vec<usize>> {
         match members.is_empty() {
             true => Err(Error::input(self.site, None, format!("`{name}` {what}"), hint)),
             false => Ok(members),
@@ -331,8 +332,8 @@ impl heliotile_requests::Parse for ConstantOrFile {
         heliotile_requests::Form::TEXT
     }
 
-    fn parse(text: &str) -> std::result::Result<Self, String> {
-        text.parse()
+    fn parse(text: &str) -> std::result::Result<Self, heliotile_requests::Wrong> {
+        Ok(text.parse::<Self>()?)
     }
 
     fn path(&self) -> Option<&Path> {

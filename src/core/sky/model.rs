@@ -188,7 +188,7 @@ impl FromStr for SkyModel {
         named.or_else(cie).ok_or_else(|| Error::Unsupported {
             what: "sky model".into(),
             found: format!("`{text}`"),
-            supported: SkyModel::names(),
+            supported: SkyModel::names().into(),
         })
     }
 }

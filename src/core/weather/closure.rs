@@ -5,6 +5,7 @@
 //! interval show as a smaller residual at a shifted sun. Nothing is shifted silently: the reader
 //! warns.
 
+use crate::text::{Message, message};
 use std::ops::RangeInclusive;
 
 use rayon::prelude::*;
@@ -117,14 +118,17 @@ impl Closure {
     /// Returns a sentence if another time fits better, or if none fits. `moved_min` is the shift
     /// that time stamps have already. `zone_is_certain` says that the time stamps state their zone,
     /// so that another zone would move days and no sun.
-    pub fn warning(&self, site: &Location, moved_min: f64, zone_is_certain: bool) -> Option<String> {
+    pub fn warning(&self, site: &Location, moved_min: f64, zone_is_certain: bool) -> Option<Message> {
         let Closure { rmse_w_m2, best_rmse_w_m2, sunless_rmse_w_m2, .. } = *self;
         if !self.fits_somewhere() {
-            return Some(format!(
-                "GHI = DHI + DNI cos(z) does not hold: {rmse_w_m2:.1} W/m2 RMSE, {best_rmse_w_m2:.1} with the best \
+            return Some(
+                format!(
+                    "GHI = DHI + DNI cos(z) does not hold: {rmse_w_m2:.1} W/m2 RMSE, {best_rmse_w_m2:.1} with the best \
                  time shift, {sunless_rmse_w_m2:.1} without any sun. Latitude or the radiation columns look wrong; \
                  they are used unchanged"
-            ));
+                )
+                .into(),
+            );
         }
         self.better_shift_min().map(|shift_min| {
             let hours = shift_min / 60.0;
@@ -141,7 +145,7 @@ impl Closure {
                 true => ("longitude", String::new()),
                 false => ("time zone, longitude", format!(" a time zone of {zone:.2} or")),
             };
-            format!(
+            message!(
                 "GHI = DHI + DNI cos(z) fits best with the sun {} min {} mid-interval ({best_rmse_w_m2:.1} W/m2 RMSE against \
                  {rmse_w_m2:.1} at mid-interval): {suspects} or time stamps look wrong. {done}; {{shift}} {whole_shift}min puts \
                  the sun there, and so does{so_does} a longitude of {longitude:.1}",

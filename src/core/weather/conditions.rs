@@ -11,10 +11,10 @@ use std::path::Path;
 use glam::DVec3;
 
 use crate::dome::series::PatchRow;
-use crate::error::{Error, Result};
+use crate::error::{Error, Problem, Result};
 use crate::site::bands::SourceScale;
 use crate::site::north::North;
-use crate::text::separator_hint;
+use crate::text::{Message, message, separator_hint};
 use crate::units::direction_from_degrees;
 use crate::weather::air::Air;
 use crate::weather::emission::Emission;
@@ -96,7 +96,7 @@ impl Condition {
     /// Returns an error if the direction of a sun is not a unit vector above the horizon, or an
     /// irradiance is negative, too large or not a number.
     pub fn check(&self) -> Result<()> {
-        let refuse = |what: String, hint: &str| {
+        let refuse = |what: String, hint: &'static str| {
             Err(Error::argument("conditions", format!("condition `{}`: {what}", self.label), hint))
         };
         let unit = |direction: DVec3| (direction.length() - 1.0).abs() < 1e-6;
@@ -169,7 +169,7 @@ pub struct ConditionsFile {
     /// Conditions in the order of the file, at least one.
     pub conditions: Vec<Condition>,
     /// Sentences for the user, each naming file and line.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Message>,
 }
 
 /// The columns of `conditions.csv`, in any order; further columns are ignored.
@@ -194,7 +194,7 @@ pub fn parse_conditions(path: &Path, bytes: &[u8]) -> Result<ConditionsFile> {
                 let what = format!("column `{name}` is missing from the header");
                 let hint = separator_hint(&header.iter().collect::<Vec<_>>().join(",")).map(str::to_owned);
                 let hint = hint.unwrap_or_else(|| format!("the first line names the columns {}", COLUMNS.join(",")));
-                return Err(Error::input(path, 1, what, hint));
+                return Err(Error::input(path, 1, what, hint).because(Problem::no_column(name)));
             }
             (Some(_), Some(_)) => {
                 let what = format!("column `{name}` appears twice in the header");
@@ -232,7 +232,7 @@ pub fn parse_conditions(path: &Path, bytes: &[u8]) -> Result<ConditionsFile> {
         }
         let [azimuth_deg, altitude_deg, dni_w_m2, dhi_w_m2] = values;
         if altitude_deg <= 0.0 && dni_w_m2 > 0.0 {
-            warnings.push(format!(
+            warnings.push(message!(
                 "{}, line {line}: condition `{name}` has a DNI of {dni_w_m2} W/m2 with the sun at {altitude_deg} deg, not \
                  above the horizon: its components from the sun are zero",
                 path.display()
@@ -321,7 +321,7 @@ mod tests {
         let rows = "a,90,-5,300,20\nb,90,0,300,20\nc,0,-90,0,20\n";
         let file = read(&format!("{}\n{rows}", COLUMNS.join(","))).expect("valid");
         assert_eq!(file.warnings.len(), 2);
-        assert!(file.warnings[0].contains("DNI of 300 W/m2"), "{}", file.warnings[0]);
+        assert!(file.warnings[0].contains("DNI of 300 W/m2"), "{:?}", file.warnings[0]);
         for c in &file.conditions {
             assert!(c.suns.is_empty() && c.sky_sun.z == 0.0);
             assert!((c.sky_sun.length() - 1.0).abs() < 1e-12);

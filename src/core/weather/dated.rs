@@ -4,6 +4,7 @@
 //! Only dates of results change. The suns of a row stay those of the date in the file, under which
 //! its irradiances were measured.
 
+use crate::text::{Message, message};
 use std::path::Path;
 
 use crate::error::{Error, Result};
@@ -22,7 +23,7 @@ pub struct DatedRows {
     /// Meaning of the years of all these dates.
     pub years: Years,
     /// Sentences for the user, each naming the file.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Message>,
 }
 
 impl DatedRows {
@@ -54,14 +55,14 @@ impl DatedRows {
         let lacks_a_day = Date::new(year, 2, 29).is_some() && has(2, 28) && has(3, 1) && !has(2, 29);
         let mut warnings = Vec::new();
         if lost > 0 {
-            warnings.push(format!(
+            warnings.push(message!(
                 "{}: 29 February is left out, because {year} has no such day: {lost} of {} rows",
                 file.display(),
                 taken().count()
             ));
         }
         if lacks_a_day {
-            warnings.push(format!(
+            warnings.push(message!(
                 "{}: results have no rows of 29 February, because the file lacks this day of {year}",
                 file.display()
             ));
@@ -129,7 +130,7 @@ mod tests {
         let leap = [(2020, 2, 28), (2020, 2, 29), (2020, 3, 1)];
         let put = in_year(&leap, "", "", 2019).expect("rows");
         assert_eq!(put.chosen, [true, true, false, false, true, true]);
-        assert_eq!(put.warnings, ["w.epw: 29 February is left out, because 2019 has no such day: 2 of 6 rows"]);
+        assert!(put.warnings[0].contains("w.epw: 29 February is left out, because 2019 has no such day: 2 of 6 rows"));
         let kept = in_year(&leap, "", "", 2024).expect("rows");
         assert_eq!((count(&kept), kept.warnings.len(), kept.dates[2].year), (6, 0, 2024));
         let text = in_year(&leap, "02-29", "02-29", 2019).expect_err("nothing").to_string();

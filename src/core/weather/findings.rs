@@ -1,6 +1,7 @@
 //! Findings about the rows of a weather file. In: rows of each kind. Out: counts, and one sentence
 //! a kind.
 
+use crate::text::{Message, message};
 use crate::units::kwh_from_w;
 
 /// Kinds of findings. The first four are gaps: the values that a row lacks among GHI, DNI and DHI
@@ -92,41 +93,41 @@ impl Findings {
     }
 
     /// Iterates over a sentence for each kind that occurs, with the line of its first row.
-    pub fn sentences(&self) -> impl Iterator<Item = (usize, String)> {
+    pub fn sentences(&self) -> impl Iterator<Item = (usize, Message)> {
         KINDS.into_iter().map(|kind| (kind, self.of(kind))).filter(|(_, tally)| tally.rows > 0).map(|(kind, tally)| {
             let Tally { kwh_m2, first_line, .. } = tally;
             let hours = tally.tidy_hours();
             let sentence = match kind {
-                Finding::ComputedDni => format!("missing DNI of {hours} hours computed from GHI = DHI + DNI cos(z)"),
-                Finding::ComputedDhi => format!("missing DHI of {hours} hours computed from GHI = DHI + DNI cos(z)"),
-                Finding::SplitGhi => format!(
+                Finding::ComputedDni => message!("missing DNI of {hours} hours computed from GHI = DHI + DNI cos(z)"),
+                Finding::ComputedDhi => message!("missing DHI of {hours} hours computed from GHI = DHI + DNI cos(z)"),
+                Finding::SplitGhi => message!(
                     "missing DNI and DHI of {hours} hours estimated from GHI (Erbs 1982; single hours may be off by 100 \
                      W/m2 and more)"
                 ),
                 Finding::Zeroed => {
-                    format!("DNI or DHI of {hours} hours is missing and so is GHI: set to 0, sums are too low")
+                    message!("DNI or DHI of {hours} hours is missing and so is GHI: set to 0, sums are too low")
                 }
-                Finding::Negative => format!("small negative irradiances of {hours} hours set to 0"),
+                Finding::Negative => message!("small negative irradiances of {hours} hours set to 0"),
                 Finding::BelowHorizon => {
-                    format!("DNI with the sun below the horizon in {hours} hours, {kwh_m2:.3} kWh/m2, is left out")
+                    message!("DNI with the sun below the horizon in {hours} hours, {kwh_m2:.3} kWh/m2, is left out")
                 }
-                Finding::NightOffset => format!(
+                Finding::NightOffset => message!(
                     "light of {hours} hours with the sun more than 6 degrees below the horizon, {kwh_m2:.3} kWh/m2, is \
                      an offset of the instrument and is left out"
                 ),
-                Finding::GhiBelowHorizon => format!(
+                Finding::GhiBelowHorizon => message!(
                     "GHI above {DARK_GHI_W_M2} W/m2 with the sun below the horizon in {hours} hours: check the time zone \
                      and the time stamps ({{time_zone}}, {{weather_stamp}}, {{shift}})"
                 ),
-                Finding::AboveExtraterrestrial => format!(
+                Finding::AboveExtraterrestrial => message!(
                     "DNI above what arrives outside the atmosphere in {hours} hours, {kwh_m2:.3} kWh/m2, is \
                      used unchanged; check these rows"
                 ),
-                Finding::DhiAboveGhi => format!(
+                Finding::DhiAboveGhi => message!(
                     "DHI above GHI by more than 10 % in {hours} hours; DNI and DHI are used unchanged; check these \
                      rows"
                 ),
-                Finding::ComputedInfrared => format!(
+                Finding::ComputedInfrared => message!(
                     "missing infrared radiation of {hours} hours computed from dry bulb, dew point and opaque sky cover \
                      (Clark and Allen 1978, Walton 1983)"
                 ),

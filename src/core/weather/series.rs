@@ -8,6 +8,7 @@
 //! the horizon throughout (refraction, clock errors) there are no suns and that energy is lost; the
 //! report counts it.
 
+use crate::text::Message;
 use rayon::prelude::*;
 
 use crate::weather::air::Air;
@@ -25,7 +26,7 @@ pub struct WeatherReport {
     /// Check of the time stamps; `None` if too few rows have GHI, DNI and DHI.
     pub closure: Option<Closure>,
     /// Sentences for the user, each naming a line or a number.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Message>,
 }
 
 /// A weather file.

@@ -111,7 +111,7 @@ impl Span {
     /// then the first may be the later one, over the new year.
     pub fn new(from: Option<Moment>, to: Option<Moment>) -> Result<Self> {
         let span = Span { from, to };
-        let refuse = |supported: &str| {
+        let refuse = |supported: &'static str| {
             let (what, found) = ("the part of the weather file".into(), span.to_string());
             Err(Error::Unsupported { what, found, supported: supported.into() })
         };

@@ -1,6 +1,7 @@
 //! Temperatures of the surfaces that receivers see. In: temperatures from the user, the air of a
 //! weather file. Out: the emission of sky, ground and obstructions in each chosen row.
 
+use crate::text::message;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -96,7 +97,7 @@ pub fn emissions(
             let celsius = given.or(air.dry_bulb_c).ok_or_else(|| {
                 let what =
                     format!("dry bulb temperature is missing; `longwave` uses it as the temperature of the {name}");
-                let hint = format!("fill in dry bulb temperature (EPW: column 7), or give a temperature, as in {{temperature}} {name}=12.5");
+                let hint = message!("fill in dry bulb temperature (EPW: column 7), or give a temperature, as in {{temperature}} {name}=12.5");
                 Error::input(file, row.line, what, hint)
             })?;
             Ok(black_body_w_m2(celsius))
@@ -115,8 +116,8 @@ impl heliotile_requests::Parse for Temperature {
         heliotile_requests::Form::TEXT
     }
 
-    fn parse(text: &str) -> std::result::Result<Self, String> {
-        text.parse()
+    fn parse(text: &str) -> std::result::Result<Self, heliotile_requests::Wrong> {
+        Ok(text.parse::<Self>()?)
     }
 
     fn path(&self) -> Option<&std::path::Path> {

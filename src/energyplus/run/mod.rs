@@ -28,7 +28,7 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::light::paths::LightPaths;
 use heliotile_core::named::{NamedValues, name_of};
 use heliotile_core::replay::factors::SunGrid;
-use heliotile_core::text::counted;
+use heliotile_core::text::{Message, counted};
 use heliotile_results::Resources;
 use heliotile_results::covering::cover_site;
 use heliotile_results::covering::{CoverRequest, Density, PlacedReceivers};
@@ -210,7 +210,7 @@ pub(super) fn partly_hidden(covered: &PlacedReceivers) -> Vec<PartlyHidden> {
 /// Warns of surfaces that are hidden in part.
 pub(super) fn warn_of_partly_hidden(partly: &[PartlyHidden], task: &Task) {
     if let Some(first) = partly.first() {
-        task.warn(&format!(
+        task.warn(format!(
             "{} partly hidden by a neighbour or the ground, where they get no light (first: `{}`, {:.2} of {:.2} m2 get light); the report \
              lists all",
             counted_are(partly.len(), "surface"),
@@ -280,16 +280,16 @@ impl EnergyplusRequest {
 }
 
 impl Task<'_> {
-    fn warn(&self, text: &str) {
+    fn warn(&self, text: impl Into<Message>) {
         self.resources.observer.warn(text);
     }
 
     /// Words sentences of a report for the user interface.
-    fn worded(&self, sentences: &[String]) -> Vec<String> {
+    fn worded(&self, sentences: &[Message]) -> Vec<String> {
         sentences.iter().map(|text| self.resources.observer.in_words(text)).collect()
     }
 
-    fn report(&self, text: &str) {
+    fn report(&self, text: impl Into<Message>) {
         self.resources.observer.report(text);
     }
 }
@@ -330,7 +330,7 @@ fn run(task: &Task) -> Result<()> {
     let mut warnings = named_files.warnings;
     warnings.extend(checks::warnings(&document, task.request.surfaces.assume_version, &injected));
     warn_of_partly_hidden(&targets.partly, task);
-    changed.notes.iter().for_each(|note| task.report(&format!("{note}\n")));
+    changed.notes.iter().for_each(|note| task.report(note.clone().and("\n")));
     warnings.iter().for_each(|text| task.warn(text));
     let told = pages::Told {
         task,
@@ -343,7 +343,7 @@ fn run(task: &Task) -> Result<()> {
     };
     let mut report = pages::report(&told);
     write_document(&files.model, &document)?;
-    task.report(&summary(&files, &targets, &changed));
+    task.report(summary(&files, &targets, &changed));
     if let (Some(engine), Some(weather)) = (engine, &task.request.weather) {
         report.sections.extend(runs::run_all(
             &engine,

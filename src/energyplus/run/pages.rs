@@ -7,6 +7,7 @@ use crate::report::{Block, Report};
 use crate::sun_tables::{GroundRange, SurfaceLight};
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::replay::factors::SunGrid;
+use heliotile_core::text::{Message, message};
 
 /// Contents of the report.
 pub struct Told<'a> {
@@ -16,7 +17,7 @@ pub struct Told<'a> {
     pub ground: GroundRange,
     pub targets: &'a Targets,
     pub changed: &'a Changed,
-    pub warnings: &'a [String],
+    pub warnings: &'a [Message],
 }
 
 /// Returns all sections but those of runs.
@@ -34,14 +35,14 @@ pub fn report(told: &Told) -> Report {
 }
 
 /// Describes the injected light.
-pub fn physics_lines(physics: Physics) -> Vec<String> {
+pub fn physics_lines(physics: Physics) -> Vec<Message> {
     let light = match physics {
         Physics::Full => "all diffuse reflections, mirrors, the sky of Perez 1990",
         Physics::EnergyPlus => {
             "one diffuse reflection, the mirrored sun and a uniform sky, as EnergyPlus computes them"
         }
     };
-    vec![format!("light: `{{physics}} {}`: {light}", physics_name(physics))]
+    vec![message!("light: `{{physics}} {}`: {light}", physics_name(physics))]
 }
 
 fn done(told: &Told) -> Vec<String> {

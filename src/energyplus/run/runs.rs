@@ -121,7 +121,7 @@ pub fn run_all(
         // A model may have switched off the output that is read here.
         model.set("OutputControl:Files", 3, "output_eso", "Yes")?;
         let (seconds, series) = engine.run(&model, weather, &folder.join(name))?;
-        observer.report(&format!("EnergyPlus, {name}: {seconds:.1} s\n"));
+        observer.report(format!("EnergyPlus, {name}: {seconds:.1} s\n"));
         results.push((seconds, series));
     }
     let seconds: Vec<String> = results.iter().map(|(seconds, _)| format!("{seconds:.1}")).collect();

@@ -28,7 +28,7 @@ use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::light::paths::LightPaths;
 use heliotile_core::sky::model::SkyModel;
-use heliotile_core::text::{counted, with_list};
+use heliotile_core::text::{Message, counted, message, with_list};
 use heliotile_results::covering::PlacedReceivers;
 use heliotile_results::covering::cover_site;
 use heliotile_results::outputs::sink::Sink;
@@ -112,7 +112,8 @@ pub fn run(task: &Task, mut document: Document, steps: &Steps, full: Full) -> Re
         let sky_view = lit.map_or(0.0, |lit| lit.direct.sky_view);
         readers.push(Reader { surface: name.clone(), column, multiplier: multiplies.then_some(column + 1), sky_view });
     }
-    let mut notes: Vec<String> = injection::switch_distribution(&mut document)?.into_iter().collect();
+    let mut notes: Vec<Message> =
+        injection::switch_distribution(&mut document)?.into_iter().map(Message::from).collect();
     notes.extend(full.named_files.notes.iter().cloned());
     injection::brighten_ground(&mut document, &mut notes)?;
     let names = Names::free(document.objects.iter().map(ModelObject::name));
@@ -123,11 +124,11 @@ pub fn run(task: &Task, mut document: Document, steps: &Steps, full: Full) -> Re
     warnings.extend(checks::warnings(&document, task.request.surfaces.assume_version, &injected));
     warn_of_partly_hidden(&targets.partly, task);
     warnings.extend(of_this_way(&document, &windows, &shaded));
-    notes.iter().for_each(|note| task.report(&format!("{note}\n")));
+    notes.iter().for_each(|note| task.report(note.clone().and("\n")));
     warnings.iter().for_each(|text| task.warn(text));
     write_series(task, steps, &columns)?;
     write_document(&full.files.model, &document)?;
-    task.report(&format!(
+    task.report(format!(
         "{}: {} removed from the model, {} get light from {}{}; {} lists them\n",
         full.files.model.display(),
         counted(deleted.shades as u64, "shading surface"),
@@ -289,7 +290,7 @@ fn windows(document: &Document) -> BTreeSet<String> {
 }
 
 /// Returns further warnings that hold for a model with a series.
-fn of_this_way(document: &Document, windows: &BTreeSet<String>, shaded: &BTreeSet<String>) -> Vec<String> {
+fn of_this_way(document: &Document, windows: &BTreeSet<String>, shaded: &BTreeSet<String>) -> Vec<Message> {
     let mut found = vec![
         "the model is valid for this weather file and time step only: with others it gets the light of the wrong hours"
             .into(),
@@ -334,11 +335,11 @@ fn write_series(task: &Task, steps: &Steps, columns: &[(String, f64, Vec<f64>)])
 }
 
 /// Returns the sentences of the report on what was done.
-fn told(task: &Task, deleted: &Deleted, steps: &Steps, archive: &Archive, alone: &Archive) -> Vec<String> {
+fn told(task: &Task, deleted: &Deleted, steps: &Steps, archive: &Archive, alone: &Archive) -> Vec<Message> {
     let weather =
         task.request.weather.as_deref().and_then(|path| path.file_name()).unwrap_or_default().to_string_lossy();
     let mut list = vec![
-        format!(
+        message!(
             "{} of the surroundings removed from the model; the files of {{scene}} were traced, but not added",
             counted(deleted.shades as u64, "shading surface")
         ),
@@ -346,14 +347,14 @@ fn told(task: &Task, deleted: &Deleted, steps: &Steps, archive: &Archive, alone:
             "{SERIES}: reflected light, and the direct sun and sky that the surroundings block, for {weather}, {} steps an hour: the \
              model is valid for this weather file only",
             steps.an_hour
-        ),
+        ).into(),
         "all light of a window is multiplied by the share of the sun that the surroundings leave; each window has its own schedule"
             .into(),
         "shadows of the model itself are EnergyPlus's own, at each time step".into(),
         "longwave radiation: surfaces see the share of the sky that the surroundings leave; the rest is at air temperature"
             .into(),
-        format!("archive root {}, of the model alone {}", format::hex(&archive.root()), format::hex(&alone.root())),
-        format!("heliotile {}, for EnergyPlus 25.2", env!("CARGO_PKG_VERSION")),
+        format!("archive root {}, of the model alone {}", format::hex(&archive.root()), format::hex(&alone.root())).into(),
+        format!("heliotile {}, for EnergyPlus 25.2", env!("CARGO_PKG_VERSION")).into(),
     ];
     if !deleted.kept.is_empty() {
         list.push(with_list("shades kept because other objects refer to them", deleted.kept.clone()));

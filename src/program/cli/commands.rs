@@ -7,7 +7,7 @@ use clap::{Arg, ArgAction, ArgGroup, ArgMatches, Command};
 
 use heliotile::cases::{self, Given};
 use heliotile::requests::{GroupKind, Many, Row};
-use heliotile::text::{Named, with_fields};
+use heliotile::text::Named;
 
 /// Text at the end of the help of some commands.
 const MORE: [(&str, &str); 3] = [
@@ -103,7 +103,7 @@ fn as_option(named: Named) -> Option<String> {
 }
 
 fn arg_of(row: &Row) -> Arg {
-    let mut arg = Arg::new(row.name).help(with_fields(&row.help, &as_option)).help_heading(row.heading);
+    let mut arg = Arg::new(row.name).help(row.help.in_words(&as_option)).help_heading(row.heading);
     if !row.positional {
         arg = arg.long(row.name.replace('_', "-"));
     }

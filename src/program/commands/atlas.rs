@@ -15,7 +15,7 @@ use heliotile::{Error, Provenance, Result};
 /// `heliotile partition`.
 pub fn partition(request: &PartitionRequest, _: Provenance) -> Result<Outcome> {
     let plan = heliotile::atlas::partition(request, &Terminal::default())?;
-    remark(&summary(&plan, &request.atlas))?;
+    remark(summary(&plan, &request.atlas))?;
     Ok(Outcome::Fine)
 }
 

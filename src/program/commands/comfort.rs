@@ -2,10 +2,10 @@
 
 use super::Outcome;
 use super::console::terminal::Terminal;
-use crate::commands::console::voice::remark_aside;
+use crate::commands::console::voice::{note, remark_aside};
 use heliotile::cases::Comfort;
 use heliotile::text::counted;
-use heliotile::{Observer, Provenance, Resources, Result, Site, SiteOptions};
+use heliotile::{Provenance, Resources, Result, Site, SiteOptions};
 
 /// `heliotile comfort`.
 pub fn run(args: &Comfort, about: Provenance) -> Result<Outcome> {
@@ -14,9 +14,9 @@ pub fn run(args: &Comfort, about: Provenance) -> Result<Outcome> {
     let (request, files) = (args.request(), &args.files);
     let place = args.archive(Some(&request), &resources)?;
     let site = Site::open_with(place, SiteOptions { memory: args.memory, about, ..SiteOptions::default() })?;
-    site.note_of_north().iter().for_each(|note| terminal.note(note));
+    site.note_of_north().iter().for_each(note);
     let done = site.comfort(&request, files, &resources)?;
     // Standard output may hold the table, so the remark goes to standard error.
-    remark_aside(&format!("{} in {}\n", counted(done.points, "point"), counted(done.hours, "hour")));
+    remark_aside(format!("{} in {}\n", counted(done.points, "point"), counted(done.hours, "hour")));
     Ok(Outcome::Fine)
 }

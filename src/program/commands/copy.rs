@@ -30,9 +30,9 @@ pub fn run(args: &Copy, _: Provenance) -> Result<Outcome> {
     let (to, megabytes) = (shown(&args.to), copied.bytes as f64 / 1e6);
     let to = to.display();
     match (copied.was_there, copied.beside) {
-        (true, _) => remark(&format!("{to}: up to date, nothing was sent\n"))?,
-        (false, Some(beside)) => remark(&format!("{to}: {megabytes:.2} MB, in {}\n", beside.display()))?,
-        (false, None) => remark(&format!("{to}: {megabytes:.2} MB\n"))?,
+        (true, _) => remark(format!("{to}: up to date, nothing was sent\n"))?,
+        (false, Some(beside)) => remark(format!("{to}: {megabytes:.2} MB, in {}\n", beside.display()))?,
+        (false, None) => remark(format!("{to}: {megabytes:.2} MB\n"))?,
     }
     Ok(Outcome::Fine)
 }

@@ -37,7 +37,7 @@ pub fn info(args: &Info, _: Provenance) -> Result<Outcome> {
     if let [place] = args.files.as_slice()
         && let Some(atlas) = Atlas::find(place)?
     {
-        say(&about::info(&atlas)?)?;
+        say(&worded_text(&about::info(&atlas)?))?;
         return Ok(Outcome::Fine);
     }
     let path = match args.files.as_slice() {
@@ -211,8 +211,8 @@ fn say_accuracy(out: &mut String, a: &Accuracy) {
 pub fn verify(request: &VerifyRequest, _: Provenance) -> Result<Outcome> {
     let mut outcome = Outcome::Fine;
     request.each(|checked| {
-        say(&worded_text(&checked.text()))?;
-        checked.warning().iter().for_each(|text| warn(text));
+        say(&checked.text())?;
+        checked.warning().iter().for_each(warn);
         if !checked.is_good() {
             outcome = Outcome::ProblemFound;
         }

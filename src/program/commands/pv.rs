@@ -12,7 +12,7 @@ pub fn run(args: &Pv, about: Provenance) -> Result<Outcome> {
     let resources = Resources::of(args.memory, &terminal);
     let done = args.request.write(about, &resources)?;
     say(&done.table)?;
-    remark(&summary(args, &done))?;
+    remark(summary(args, &done))?;
     Ok(Outcome::Fine)
 }
 

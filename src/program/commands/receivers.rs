@@ -8,6 +8,7 @@ use super::console::terminal::Terminal;
 use super::console::voice::remark_aside;
 use super::{Outcome, remark};
 use heliotile::cases::Receivers;
+use heliotile::text::Message;
 use heliotile::{Provenance, Result};
 
 /// `heliotile receivers`.
@@ -15,9 +16,9 @@ pub fn run(args: &Receivers, _: Provenance) -> Result<Outcome> {
     let text = args.write(&Terminal::default())?;
     // Standard output may hold the table, so the summary goes to standard error.
     if args.output() == Path::new("-") {
-        remark_aside(&text);
+        remark_aside(text);
     } else {
-        remark(&format!("{}: {text}", args.output().display()))?;
+        remark(Message::from(format!("{}: ", args.output().display())).and(text))?;
     }
     Ok(Outcome::Fine)
 }

@@ -9,6 +9,6 @@ use heliotile::{Provenance, Resources, Result};
 pub fn run(args: &Repair, _: Provenance) -> Result<Outcome> {
     let terminal = Terminal::watching();
     let resources = Resources::of(args.memory, &terminal);
-    remark(&args.request.write(&resources)?.text())?;
+    remark(args.request.write(&resources)?.text())?;
     Ok(Outcome::Fine)
 }

@@ -51,9 +51,9 @@ pub fn compare(args: &Compare, about: Provenance) -> Result<Outcome> {
     let has_table = request.has_details(files) && files.output == stdout && files.plots.is_empty();
     let is_taken = has_table || [&request.summary, &request.unmatched].into_iter().flatten().any(|to| to == stdout);
     if is_taken {
-        remark_aside(&done.text())
+        remark_aside(done.text())
     } else {
-        remark(&done.text())?
+        remark(done.text())?
     }
     Ok(Outcome::Fine)
 }
@@ -65,7 +65,7 @@ pub fn buildings(args: &Buildings, about: Provenance) -> Result<Outcome> {
         site.buildings(&args.year(), &args.request, resources)
     })?;
     // Standard output may hold the table, so the remark goes to standard error.
-    remark_aside(&format!("{} with {}\n", counted(done.buildings, "building"), counted(done.faces, "roof face")));
+    remark_aside(format!("{} with {}\n", counted(done.buildings, "building"), counted(done.faces, "roof face")));
     Ok(Outcome::Fine)
 }
 
@@ -75,7 +75,7 @@ pub fn places(args: &Places, about: Provenance) -> Result<Outcome> {
         let site = args.site.open(&SelectionRequest::default(), about, resources.observer)?;
         site.places(&args.year(), &args.request, resources)
     })?;
-    remark_aside(&format!("{} chosen among {}\n", counted(done.places, "place"), counted(done.receivers, "receiver")));
+    remark_aside(format!("{} chosen among {}\n", counted(done.places, "place"), counted(done.receivers, "receiver")));
     Ok(Outcome::Fine)
 }
 

@@ -14,7 +14,7 @@ pub fn info(site: &SceneFiles) -> Result<Outcome> {
     let (scene, soup) = Scene::load_with_objects(site)?;
     scene.report.tell(&Terminal::default());
     let surfaces = Surfaces::find(&soup, &scene.materials);
-    doubts(&soup, &surfaces).iter().for_each(|doubt| warn(doubt));
+    doubts(&soup, &surfaces).iter().for_each(warn);
     let report = &scene.report;
     let mut out = String::new();
     for part in &site.parts {

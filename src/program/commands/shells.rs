@@ -29,7 +29,7 @@ pub fn man(args: &ManArgs) -> Result<Outcome> {
     let texts: Vec<(&str, String)> = pages.iter().map(|(name, text)| (name.as_str(), text.clone())).collect();
     write_texts(&args.output, &texts)?;
     let count = counted(pages.len() as u64, "page");
-    remark(&format!(
+    remark(format!(
         "{}: {count}, such as `man {}`\n",
         args.output.display(),
         args.output.join("heliotile.1").display()

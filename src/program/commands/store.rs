@@ -1,7 +1,7 @@
 //! The trace cache that `build --store` fills (`store ls|gc|verify`).
 
 use super::{Outcome, say};
-use crate::cli::{StoreArgs, StoreCommand, worded_text};
+use crate::cli::{StoreArgs, StoreCommand};
 use heliotile::archive::{Archive, Folder, Store};
 use heliotile::text::counted;
 use heliotile::{Access, Result, archive};
@@ -64,7 +64,7 @@ fn verify(store: &dyn Store) -> Result<Outcome> {
             Err(error) => error.to_string(),
         };
         bad += 1;
-        text += &format!("{}: {}\n", stored.path.display(), worded_text(&found));
+        text += &format!("{}: {}\n", stored.path.display(), found);
     }
     say(&format!("{text}{} checked, {bad} bad\n", counted(all.len() as u64, "archive")))?;
     Ok(if bad == 0 { Outcome::Fine } else { Outcome::ProblemFound })

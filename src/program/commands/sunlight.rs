@@ -27,7 +27,7 @@ pub fn glare(args: &Glare, about: Provenance) -> Result<Outcome> {
 
 fn tell(done: &SunlightDone) -> Outcome {
     // Standard output may hold the table, so the remark goes to standard error.
-    remark_aside(&done.text());
+    remark_aside(done.text());
     Outcome::Fine
 }
 

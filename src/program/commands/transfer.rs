@@ -14,7 +14,7 @@ use heliotile::{Access, Error, Provenance, Result};
 pub fn merge(args: &Merge, _: Provenance) -> Result<Outcome> {
     let merged = args.write(&Terminal::default())?;
     let Assembled { receivers, tiles, cells, summary } = &merged.written;
-    remark(&format!(
+    remark(format!(
         "{}: {receivers} receivers in {}, {} probes, {} bounce cells, {:.2} MB\n  {} from {}, {} from {}, {} in both\n  \
          root {}\n",
         args.output.display(),
@@ -50,7 +50,7 @@ pub fn extract(args: &Extract, _: Provenance) -> Result<Outcome> {
     let extracted =
         transfer::extract(&archive, &selection, !args.no_scene, &args.output, &workspace, &Terminal::default())?;
     let Assembled { receivers, tiles, cells, summary } = &extracted.written;
-    remark(&format!(
+    remark(format!(
         "{}: {receivers} of {} receivers in {}, {} of {} probes, {} of {} bounce cells, {:.2} MB\n  root {}\n",
         args.output.display(),
         extracted.of.receivers,

@@ -18,7 +18,7 @@ pub fn info(path: &Path, about: &WeatherOptions, place: Option<(f64, f64)>) -> R
         ..*about
     };
     let weather = read_weather_as(path, &options, &mut || Ok(None))?;
-    weather.report.warnings.iter().for_each(|text| warn(text));
+    weather.report.warnings.iter().for_each(warn);
     let site = &weather.site;
     let mut out = String::new();
     line!(out, "{}", path.display());

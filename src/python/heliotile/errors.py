@@ -16,7 +16,20 @@ class Error(Exception):
     what: str | None = None
     """Problem that was found."""
     hint: str | None = None
-    """Advice on what to do."""
+    """Advice on what to do; empty if `what` says it."""
+    problem: str | None = None
+    """Kind of the problem: `missing`, `excludes`, `needs`, `unreadable`, `out-of-range`, `unknown`,
+    `no-column`, `same-file` or `other`."""
+    found: float | str | None = None
+    """Number, name or text that was found, of `out-of-range`, `unknown` and `unreadable`."""
+    range: tuple[float, float] | None = None
+    """Smallest and largest number allowed, of `out-of-range`."""
+    known: list[str] | None = None
+    """Known names, of `unknown`."""
+    column: str | None = None
+    """Column that a table lacks, of `no-column`."""
+    other: str | list[str] | Path | None = None
+    """The other keyword, of `excludes`; keywords, of `needs`; the other file, of `same-file`."""
 
     def __str__(self) -> str:
         # OSError would put an errno before the text.

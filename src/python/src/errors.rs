@@ -5,7 +5,8 @@ use pyo3::prelude::*;
 
 use heliotile::Error;
 use heliotile::cases::{Aim, COMMANDS};
-use heliotile::text::{Named, with_fields};
+use heliotile::requests::Problem;
+use heliotile::text::{Message, Named};
 use heliotile_program::{command_of, option_of};
 
 /// Returns the exception of an error.
@@ -14,22 +15,22 @@ pub fn raised(py: Python<'_>, error: Error) -> PyErr {
 }
 
 /// Fields that describe weather; functions of Python take them from a `Weather`.
-const OF_WEATHER: [&str; 5] =
-    ["{time_zone}", "{weather_stamp}", "{shift}", "{date_order}", "{latitude} and {longitude} in degrees"];
+const OF_WEATHER: [&str; 6] = ["time_zone", "weather_stamp", "shift", "date_order", "latitude", "longitude"];
 
 /// Adds to the advice of an error about weather where its keywords belong.
 fn about_weather(error: Error) -> Error {
     match error {
-        Error::Input { file, line, what, hint } if OF_WEATHER.iter().any(|field| hint.contains(field)) => {
-            Error::Input { file, line, what, hint: hint + "; `heliotile.Weather(weather, ...)` takes these keywords" }
+        Error::Input { file, line, problem, what, hint } if OF_WEATHER.iter().any(|field| hint.names(field)) => {
+            let hint = hint.and("; `heliotile.Weather(weather, ...)` takes these keywords");
+            Error::Input { file, line, problem, what, hint }
         }
         other => other,
     }
 }
 
 /// Returns a text with Python's names of fields and commands.
-pub fn worded_text(text: &str) -> String {
-    with_fields(text, &in_python)
+pub fn worded_text(text: &Message) -> String {
+    text.in_words(&in_python)
 }
 
 /// Returns the keyword of a request's field, or the command that starts the program from Python.
@@ -68,36 +69,57 @@ fn exception(py: Python<'_>, error: &Error) -> PyResult<PyErr> {
     };
     let made = py.import("heliotile.errors")?.getattr(class)?.call1((error.to_string(),))?;
     match error {
-        Error::Input { file, line, what, hint } => {
+        Error::Input { file, line, what, hint, .. } => {
             made.setattr("file", file)?;
             made.setattr("line", line)?;
-            made.setattr("what", what)?;
-            made.setattr("hint", hint)?;
+            made.setattr("what", what.plain())?;
+            made.setattr("hint", hint.plain())?;
         }
         Error::Incomplete { partial: file, what, hint } => {
             made.setattr("file", file)?;
-            made.setattr("what", what)?;
-            made.setattr("hint", hint)?;
+            made.setattr("what", what.plain())?;
+            made.setattr("hint", hint.plain())?;
         }
-        Error::Argument { argument, what, hint } => {
+        Error::Argument { argument, what, hint, .. } => {
             made.setattr("argument", argument)?;
-            made.setattr("what", what)?;
-            made.setattr("hint", hint)?;
+            made.setattr("what", what.plain())?;
+            made.setattr("hint", hint.plain())?;
         }
         Error::Io { path, .. } | Error::SourceChanged { path, .. } => made.setattr("file", path)?,
         Error::Corrupt { path, block, offset, hint, .. } => {
             made.setattr("file", path)?;
             made.setattr("block", block)?;
             made.setattr("offset", offset)?;
-            made.setattr("hint", &**hint)?;
+            made.setattr("hint", hint.plain())?;
         }
         Error::Defect { path, block, what, hint, .. } => {
             made.setattr("file", path)?;
             made.setattr("block", block)?;
             made.setattr("what", what)?;
-            made.setattr("hint", &**hint)?;
+            made.setattr("hint", hint.plain())?;
         }
         _ => {}
+    }
+    if let Some(problem) = error.problem() {
+        made.setattr("problem", problem.name())?;
+        match problem {
+            Problem::Unknown { found, known } => {
+                made.setattr("found", found)?;
+                made.setattr("known", known)?;
+            }
+            Problem::OutOfRange { found, least, most } => {
+                made.setattr("found", found)?;
+                made.setattr("range", (least, most))?;
+            }
+            Problem::Unreadable { found } => made.setattr("found", found)?,
+            Problem::NoColumn { column } => made.setattr("column", column)?,
+            Problem::Excludes { other } => made.setattr("other", keyword(other))?,
+            Problem::Needs { others } => {
+                made.setattr("other", others.iter().map(|name| keyword(name)).collect::<Vec<_>>())?
+            }
+            Problem::SameFile { other } => made.setattr("other", other)?,
+            _ => {}
+        }
     }
     Ok(PyErr::from_value(made))
 }

@@ -71,7 +71,7 @@ impl Texts {
         let Some(len) = room else {
             let what = format!("memory for {count} names as wide as the longest, in bytes");
             let value = 4_u64.saturating_mul(count as u64).saturating_mul(width as u64);
-            return Err(Error::Limit { what, value, max: isize::MAX as u64 });
+            return Err(Error::Limit { what: what.into(), value, max: isize::MAX as u64 });
         };
         characters.resize(len, 0);
         let mut rest = self.all.as_str();

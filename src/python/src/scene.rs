@@ -51,7 +51,7 @@ impl SceneHandle {
     /// Decisions that the reader took by itself.
     #[getter]
     fn notes(&self) -> Vec<String> {
-        self.scene.report.notes.iter().map(|note| worded_text(note)).collect()
+        self.scene.report.notes.iter().map(worded_text).collect()
     }
 
     /// Traces an archive. Returns its handle, seconds by stage, number of rays, bytes, and the

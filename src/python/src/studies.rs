@@ -36,7 +36,7 @@ fn json(found: &impl Serialize) -> Result<String> {
 }
 
 fn rows(problems: Vec<Problem>) -> Vec<ProblemRow> {
-    problems.into_iter().map(|problem| (problem.part, problem.offset, worded_text(&problem.reason))).collect()
+    problems.into_iter().map(|problem| (problem.part, problem.offset, problem.reason)).collect()
 }
 
 /// Writes a year's results of scene files to a folder.
@@ -151,8 +151,8 @@ pub fn verify(py: Python<'_>, asked: Asked) -> PyResult<Vec<CheckedRow>> {
     asked.run::<VerifyRequest, _>(py, &[], None, |request, _, _| {
         let mut found = Vec::new();
         request.each(|checked| {
-            let text = worded_text(&checked.text());
-            let (misplaced, report) = (checked.misplaced.map(|error| worded_text(&error.to_string())), checked.report);
+            let text = checked.text();
+            let (misplaced, report) = (checked.misplaced.map(|error| error.to_string()), checked.report);
             let sizes = (report.blocks, report.stored_bytes, report.trailing_bytes);
             found.push((checked.archive, sizes.0, sizes.1, sizes.2, rows(report.problems), misplaced, text));
             Ok(())

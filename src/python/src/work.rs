@@ -1,6 +1,7 @@
 //! Long work beside Python. In: a function. Out: its result. Meanwhile Python's other threads run
 //! and `progress` is called. Ctrl-C or an exception of `progress` stops the work at its next check.
 
+use heliotile::text::Message;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread;
@@ -10,7 +11,7 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
 use crate::errors::{raised, worded_text};
-use heliotile::{Observer, Result};
+use heliotile::{Observer, Result, Tone};
 
 /// Interval at which signals and progress are checked.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
@@ -81,16 +82,14 @@ impl Observer for Watch {
         }
     }
 
-    fn warn(&self, text: &str) {
-        locked(&self.told).warnings.push(worded_text(text));
+    fn tell(&self, tone: Tone, message: Message) {
+        if tone != Tone::Report {
+            locked(&self.told).warnings.push(worded_text(&message));
+        }
     }
 
-    fn note(&self, text: &str) {
-        self.warn(text);
-    }
-
-    fn in_words(&self, text: &str) -> String {
-        worded_text(text)
+    fn in_words(&self, message: &Message) -> String {
+        worded_text(message)
     }
 
     fn cancelled(&self) -> bool {

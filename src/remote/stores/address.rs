@@ -45,7 +45,7 @@ impl Address {
     pub fn parse_folder(place: &Path) -> Result<Self> {
         let text = place.to_string_lossy();
         let shown = PathBuf::from(without_secrets(&text));
-        let refuse = |what: String, hint: &str| Err(Error::input(&shown, None, what, hint));
+        let refuse = |what: String, hint: &'static str| Err(Error::input(&shown, None, what, hint));
         let usual =
             "give s3://BUCKET/NAME, gs://BUCKET/NAME, az://CONTAINER/NAME, https://HOST/NAME or http://HOST/NAME";
         let url = match Url::parse(&text) {

@@ -2,6 +2,7 @@
 //! without the address, which may hold a signature, and without the text of the answer, which may
 //! hold more.
 
+use heliotile_core::text::Message;
 use std::error::Error as _;
 
 use heliotile_core::error::Error;
@@ -111,14 +112,14 @@ impl Failure {
             Scheme::Azure => "AZURE_STORAGE_ACCOUNT_NAME and AZURE_STORAGE_ACCOUNT_KEY or AZURE_STORAGE_SAS_TOKEN",
             Scheme::Web => "a signed address that is still valid, or https://USER:PASSWORD@HOST/NAME",
         };
-        let hint = match self.cause {
+        let hint: Message = match self.cause {
             Cause::Changed => return Error::SourceChanged { path: path.to_path_buf(), what: self.what },
             Cause::Missing if address.name().contains('.') => "is the address right? capitals count".into(),
             Cause::Missing => {
                 "is the address right? capitals count; the address of an atlas is the folder of its atlas.json".into()
             }
             Cause::Exists => "give it another name, or replace it with {replace}".into(),
-            Cause::Denied | Cause::Settings => format!("check the settings and credentials: {variables}"),
+            Cause::Denied | Cause::Settings => format!("check the settings and credentials: {variables}").into(),
             Cause::Elsewhere if address.scheme() == Scheme::S3 => "is AWS_REGION the region of the bucket?".into(),
             Cause::Elsewhere => "open the address in a browser: it may have moved, or require a login".into(),
             Cause::Clock => "set the clock of this machine: stores accept signatures of the last 15 minutes only".into(),

@@ -77,7 +77,7 @@ pub fn publish(
     let length = source.bytes.length();
     if source.root.is_none() && length > LARGEST_FILE {
         let what = format!("{}: bytes of a file that is no archive", source.name.display());
-        return Err(Error::Limit { what, value: length, max: LARGEST_FILE });
+        return Err(Error::Limit { what: what.into(), value: length, max: LARGEST_FILE });
     }
     let place = Locator::connect(to, connection)?;
     let failed = |failure: Failure| failure.at(to);

@@ -3,6 +3,8 @@
 
 #![deny(missing_docs)]
 
+mod message;
+
 use proc_macro::TokenStream;
 use proc_macro2::TokenStream as Tokens;
 use quote::{format_ident, quote};
@@ -34,13 +36,20 @@ const UNITS: [&str; 7] = ["_w_m2_sr", "_w_m2", "_percent", "_deg", "_m2", "_m", 
 /// | `range = a..=b`, `says = ".."` | range of a number; what a wrong text is answered |
 ///
 /// At the struct, `request(exactly_one(..))`, `request(at_most_one(..))` and `request(any_of(..))`
-/// name groups of fields, `request(check = f)` a further check, `request(also = f)` a function that
-/// hands on files that no field states, and `request(skips = f)` one that names fields whose files
+/// name groups of fields, `request(also = f)` a function that hands on files that no field states, and `request(skips = f)` one that names fields whose files
 /// are others than their kind says.
 #[proc_macro_derive(Request, attributes(field, request))]
 pub fn derive(input: TokenStream) -> TokenStream {
     let input = parse_macro_input!(input as DeriveInput);
     expand(&input).unwrap_or_else(Error::into_compile_error).into()
+}
+
+/// Makes a message of a text as `format!` takes it, which names fields of requests and commands in
+/// double braces: `message!("{file}: give {{every}} month, or run {{command:verify}}")`.
+#[proc_macro]
+pub fn message(input: TokenStream) -> TokenStream {
+    let message = parse_macro_input!(input as message::Message);
+    message.expand().unwrap_or_else(Error::into_compile_error).into()
 }
 
 fn expand(input: &DeriveInput) -> Result<Tokens> {
@@ -83,7 +92,7 @@ fn expand(input: &DeriveInput) -> Result<Tokens> {
             (Many::One, _) => quote!(self.#ident = (#read)(::heliotile_requests::last(texts)?)?;),
             (Many::Optional, _) => quote!(self.#ident = Some((#read)(::heliotile_requests::last(texts)?)?);),
             (Many::List, _) => {
-                quote!(self.#ident = texts.iter().map(|text| (#read)(text)).collect::<::std::result::Result<_, String>>()?;)
+                quote!(self.#ident = texts.iter().map(|text| (#read)(text)).collect::<::std::result::Result<_, ::heliotile_requests::Wrong>>()?;)
             }
         };
         fill.push(quote!(if name == #name { #taken return Ok(true) }));
@@ -101,7 +110,7 @@ fn expand(input: &DeriveInput) -> Result<Tokens> {
         }
     }
     let (ident, own) = (&input.ident, &about.groups);
-    let (check, also, skips) = (about.check.iter(), about.also.iter(), about.skips.iter());
+    let (also, skips) = (about.also.iter(), about.skips.iter());
     Ok(quote! {
         impl ::heliotile_requests::Request for #ident {
             fn rows() -> Vec<::heliotile_requests::Row> {
@@ -114,7 +123,7 @@ fn expand(input: &DeriveInput) -> Result<Tokens> {
                 #(#groups)*
                 groups
             }
-            fn fill(&mut self, name: &str, texts: &[String]) -> ::std::result::Result<bool, String> {
+            fn fill(&mut self, name: &str, texts: &[String]) -> ::std::result::Result<bool, ::heliotile_requests::Wrong> {
                 #(#fill)*
                 Ok(false)
             }
@@ -123,7 +132,6 @@ fn expand(input: &DeriveInput) -> Result<Tokens> {
                 #(#also(self, each);)*
             }
             #(fn skips(&self) -> Vec<&'static str> { #skips(self) })*
-            #(fn check(&self) -> ::std::result::Result<(), (&'static str, String)> { #check(self) })*
         }
     })
 }
@@ -160,7 +168,6 @@ fn shape(ty: &Type) -> (Many, &Type) {
 #[derive(Default)]
 struct About {
     groups: Vec<Tokens>,
-    check: Option<Path>,
     also: Option<Path>,
     skips: Option<Path>,
 }
@@ -175,10 +182,6 @@ impl About {
                     "exactly_one" => format_ident!("ExactlyOne"),
                     "at_most_one" => format_ident!("AtMostOne"),
                     "any_of" => format_ident!("AnyOf"),
-                    "check" => {
-                        found.check = Some(meta.value()?.parse()?);
-                        return Ok(());
-                    }
                     "also" => {
                         found.also = Some(meta.value()?.parse()?);
                         return Ok(());
@@ -187,7 +190,7 @@ impl About {
                         found.skips = Some(meta.value()?.parse()?);
                         return Ok(());
                     }
-                    _ => return Err(meta.error("unknown: exactly_one, at_most_one, any_of, check, also, skips")),
+                    _ => return Err(meta.error("unknown: exactly_one, at_most_one, any_of, also, skips")),
                 };
                 let names = names(&meta)?;
                 found.groups.push(quote!(::heliotile_requests::Group { kind: ::heliotile_requests::GroupKind::#kind, names: &[#(#names),*] }));
@@ -300,7 +303,7 @@ impl FieldAttribute {
     /// Returns the function that reads one value.
     fn read(&self, one: &Type) -> Tokens {
         let parse = match &self.parse {
-            Some(parse) => quote!(#parse),
+            Some(parse) => quote!(|text: &str| (#parse)(text).map_err(::heliotile_requests::Wrong::from)),
             None => quote!(<#one as ::heliotile_requests::Parse>::parse),
         };
         match (&self.range, &self.says) {
@@ -308,20 +311,22 @@ impl FieldAttribute {
                 let says = option(says);
                 quote!(|text: &str| ::heliotile_requests::within((#parse)(text), text, #range, #says))
             }
-            (None, Some(says)) => quote!(|text: &str| (#parse)(text).map_err(|_| #says.to_owned())),
+            (None, Some(says)) => {
+                quote!(|text: &str| (#parse)(text).map_err(|_| ::heliotile_requests::Wrong::from(#says)))
+            }
             (None, None) => parse,
         }
     }
 
     fn row(&self, field: &Field, name: &str, many: Many, one: &Type) -> Result<Tokens> {
         let help = match &self.help {
-            Some(help) => quote!(#help()),
+            Some(help) => quote!(#help().into()),
             None => {
                 let doc = doc_of(&field.attrs);
                 if doc.is_empty() {
                     return Err(Error::new_spanned(field, "a field of a request needs a doc comment: it is the help"));
                 }
-                quote!(#doc.to_owned())
+                quote!(#doc.into())
             }
         };
         let role = match (&self.file, self.neutral) {
@@ -348,7 +353,7 @@ impl FieldAttribute {
                     None => quote!(<#one as ::heliotile_requests::Parse>::form()),
                 };
                 let test = quote!(|text| {
-                    let read: ::std::result::Result<#one, String> = (#read)(text);
+                    let read: ::std::result::Result<#one, ::heliotile_requests::Wrong> = (#read)(text);
                     read.map(drop)
                 });
                 (form, test)

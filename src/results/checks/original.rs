@@ -1,6 +1,7 @@
 //! The scene that an archive was built from. In: an archive, the files of its scene. Out: that
 //! scene with the archive's place, or an error if the files hold another scene.
 
+use heliotile_core::text::Message;
 use std::path::Path;
 
 use heliotile_core::archive::{Archive, format};
@@ -52,7 +53,7 @@ pub(super) fn scene_of(archive: &Archive, site: &SceneFiles, first: &Path, obser
 /// Loads the scene without its note on the direction of north, which the archive states.
 fn load(site: &SceneFiles, observer: &dyn Observer) -> Result<Scene> {
     let mut scene = Scene::load_site(site)?;
-    let north = scene.place.and_then(|place| place.note());
+    let north = scene.place.and_then(|place| place.note()).map(Message::from);
     scene.report.notes.retain(|note| Some(note) != north.as_ref());
     scene.report.tell(observer);
     Ok(scene)

@@ -154,7 +154,7 @@ impl ComfortRequest {
             let is_gap = |hour: &&HourClimate| of_hour(hour).is_some_and(|curve| curve.at(hour.air_c).is_none());
             let without = climates.iter().filter(is_gap).count() as u64;
             if without > 0 {
-                stream.resources.observer.note(&format!(
+                stream.resources.observer.note(format!(
                     "the {index} has no value in {} of {}: air, wind or humidity are outside of its range",
                     counted(without, "hour"),
                     climates.len()

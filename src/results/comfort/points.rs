@@ -208,7 +208,7 @@ impl ComfortSiteRequest {
         }
         if inside > 0 {
             let counted = counted(inside, "point");
-            observer.note(&format!("{counted} of {} left out: inside of objects", stands.len() as u64 + inside));
+            observer.note(format!("{counted} of {} left out: inside of objects", stands.len() as u64 + inside));
         }
         if stands.is_empty() {
             let what = "no point is left: all points lie inside of objects";

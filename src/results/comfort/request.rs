@@ -359,8 +359,8 @@ impl heliotile_requests::Parse for WindChoice {
         heliotile_requests::Form::TEXT
     }
 
-    fn parse(text: &str) -> std::result::Result<Self, String> {
-        text.parse()
+    fn parse(text: &str) -> std::result::Result<Self, heliotile_requests::Wrong> {
+        Ok(text.parse::<Self>()?)
     }
 
     fn path(&self) -> Option<&Path> {

@@ -27,7 +27,7 @@ pub fn tell(
     if before.iter().count() == after.iter().count()
         && before.iter().zip(after.iter()).all(|(a, b)| a.root() == b.root())
     {
-        observer.note(&format!("{} and {}: the archives are equal", names[0], names[1]));
+        observer.note(format!("{} and {}: the archives are equal", names[0], names[1]));
         return Ok(());
     }
     after.iter().filter_map(preview).for_each(|text| observer.warn(&text));
@@ -41,7 +41,7 @@ pub fn tell(
         .collect();
     if !named.is_empty() {
         let more = if named.len() > NAMED { ", ..." } else { "" };
-        observer.warn(&format!(
+        observer.warn(format!(
             "{} and {} were built with different settings ({}{more}): changes include the effect of the settings",
             names[0],
             names[1],

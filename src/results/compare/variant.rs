@@ -1,6 +1,7 @@
 //! One archive after a change. In: its receivers, those before. Out: the matched receivers, and
 //! their values in the order of the receivers before.
 
+use heliotile_core::text::message;
 use std::iter::Peekable;
 use std::path::Path;
 
@@ -175,7 +176,7 @@ pub fn check_memory(receivers: u64, memory: MemoryBudget) -> Result<()> {
     if bytes <= most {
         return Ok(());
     }
-    let what = format!(
+    let what = message!(
         "the memory to match {receivers} receivers, in bytes (raise {{memory}}, or compare a part with {{bbox}})"
     );
     Err(Error::Limit { what, value: bytes, max: most })

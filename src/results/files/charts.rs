@@ -1,6 +1,7 @@
 //! Charts of results. In: names of files, a stream. Out: the kind of picture of each file, and
 //! charts of the mean over receivers. Maps are drawn by [`super::map`].
 
+use heliotile_core::text::message;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -53,7 +54,7 @@ impl Plot {
             (Some("svg"), Some(Every::Hour)) => Ok(Plot::Hours),
             (Some("svg"), Some(Every::Total)) => Err(Error::argument(
                 "plot",
-                format!("`{}` is a chart over time, and {{every}} total gives only one sum", path.display()),
+                message!("`{}` is a chart over time, and {{every}} total gives only one sum", path.display()),
                 "give {every} month (bars) or hour (hours of the day by month), or a name that ends with .png for a map",
             )),
             (Some("svg"), _) => Ok(Plot::Bars),

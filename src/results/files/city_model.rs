@@ -15,7 +15,7 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::observer::Observer;
 use heliotile_core::replay::components::ComponentSet;
 use heliotile_core::site::receiver::Receiver;
-use heliotile_core::text::counted;
+use heliotile_core::text::{counted, message};
 use heliotile_remote::naming::shown;
 use heliotile_scene::input;
 
@@ -26,7 +26,7 @@ pub fn check(request: &FileRequest, every: Option<Every>, model: &Path) -> Resul
     let output = &request.output;
     if !is_city_model(output) || is_sequence(output) != is_sequence(model) {
         let ending = if is_sequence(model) { ".city.jsonl" } else { ".city.json" };
-        let what = format!("`{}` does not have the format of {{model}}", output.display());
+        let what = message!("`{}` does not have the format of {{model}}", output.display());
         return Err(Error::argument("output", what, format!("give a name that ends with {ending}")));
     }
     if matches!(every, Some(Every::Hour | Every::Day)) {
@@ -116,7 +116,7 @@ impl<'a> CityModelSink<'a> {
             return Err(Error::input(model, None, what, HINT));
         }
         if fitting.objects < objects || fitting.faces < faces {
-            observer.warn(&format!(
+            observer.warn(format!(
                 "{}: contains {} of {objects} objects and {} of {faces} faces that have receivers in {}; sums of the others are not written",
                 model.display(),
                 fitting.objects,
@@ -125,7 +125,7 @@ impl<'a> CityModelSink<'a> {
             ));
         }
         if sums.homeless() > 0 {
-            observer.warn(&format!("{} without an object: left out", counted(sums.homeless(), "receiver")));
+            observer.warn(format!("{} without an object: left out", counted(sums.homeless(), "receiver")));
         }
         sink.finish()?;
         let output = self.output.display();

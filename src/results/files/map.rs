@@ -1,6 +1,7 @@
 //! Maps of results. In: a stream, groups of its receivers. Out: a map that waits for values. A map
 //! that cannot be drawn is refused before anything is computed.
 
+use heliotile_core::text::message;
 use std::path::Path;
 
 use glam::DVec3;
@@ -121,7 +122,7 @@ pub fn say_large(path: &Path, stats: &MapStats, observer: &dyn Observer) {
     let MapStats { facts, bytes } = stats;
     let is_geojson = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("geojson"));
     if is_geojson && facts.polygons > MANY_POLYGONS {
-        observer.warn(&format!(
+        observer.warn(message!(
             "{} has {} polygons and {} MB, slow to read for browsers and text readers: .fgb (QGIS) and .parquet with {{geo}} (geopandas) are smaller",
             path.display(),
             facts.polygons,

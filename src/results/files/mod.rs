@@ -7,6 +7,7 @@ mod honeybee;
 mod map;
 mod results;
 
+use heliotile_core::text::{Message, message};
 use heliotile_requests::Request;
 use std::path::{Path, PathBuf};
 
@@ -83,7 +84,7 @@ impl FileRequest {
     /// anything is read.
     pub fn check(&self, columns: Option<&ComponentList>, every: Option<Every>, inputs: &[&Path]) -> Result<()> {
         if self.positions && self.by != By::Receiver {
-            let what = format!("rows are about groups of receivers, {{by}} {}", self.by.name());
+            let what = message!("rows are about groups of receivers, {{by}} {}", self.by.name());
             return Err(Error::argument("positions", what, "leave {by} out, or {positions}"));
         }
         let inputs: Vec<&Path> = inputs.iter().copied().chain(self.model.as_deref()).collect();
@@ -149,7 +150,7 @@ pub fn name_of(path: &Path) -> String {
 }
 
 /// Returns the help of the output.
-fn output_help() -> String {
+fn output_help() -> Message {
     let maps = MapFormat::ENDINGS.map(|(ending, _)| format!(".{ending}")).join(", ");
-    format!("{}; also maps: {maps}, .parquet with {{geo}}", table_help("Table to write"))
+    table_help("Table to write").and(message!("; also maps: {maps}, .parquet with {{geo}}"))
 }

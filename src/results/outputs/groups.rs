@@ -3,6 +3,7 @@
 //! of their names. Sums are f64 and are added in the archive's order, whatever the number of
 //! threads.
 
+use heliotile_core::text::message;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -110,7 +111,7 @@ impl Groups {
             let column = by.name();
             let what = format!("{count} receivers have no {column}: {}{more}", homeless.join(", "));
             let hint =
-                format!("choose those that have one with {{receivers}}, or build with names in the column `{column}`");
+                message!("choose those that have one with {{receivers}}, or build with names in the column `{column}`");
             return Err(Error::input(file, None, what, hint));
         }
         if let Some((name, some)) = found.iter().find(|(_, s)| s.with_area != 0 && s.with_area != s.receivers) {
@@ -234,7 +235,7 @@ impl GroupMeans {
         if bytes > memory_bytes {
             let (s, c) = (groups.names.len(), components.len());
             return Err(Error::Limit {
-                what: format!(
+                what: message!(
                     "the memory of sums, in bytes, for {s} rows of names, {bins} rows of each and {c} columns (raise {{memory}}, \
                      choose fewer {{columns}} or a longer {{every}})"
                 ),

@@ -1,6 +1,7 @@
 //! Results as a table or a map, by the ending of the file name. In: values of places. Out: a file,
 //! complete or not there.
 
+use heliotile_core::text::message;
 use std::path::Path;
 
 use crate::outputs::groups::Extent;
@@ -37,7 +38,7 @@ impl ResultFormat {
                 Err(Error::Unsupported {
                     what: "ending of the output file".into(),
                     found: format!("`{}`", path.display()),
-                    supported: format!(
+                    supported: message!(
                         "tables: {}; maps: {} and, with {{geo}}, .parquet; pictures, with {{plot}}: .png, .svg",
                         Format::listed(),
                         maps.join(", ")

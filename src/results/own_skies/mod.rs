@@ -5,6 +5,7 @@
 mod hdr;
 mod images;
 
+use heliotile_core::text::{Message, message};
 use heliotile_core::units::parse_positive;
 use heliotile_requests::Request;
 use std::path::{Path, PathBuf};
@@ -239,11 +240,11 @@ fn matched(
 }
 
 /// Returns warnings about a sky, from its light relative to the DHI of its conditions.
-fn doubts(path: &Path, kind: SourceKind, scale: SkyScale, balance: &SkyBalance) -> Vec<String> {
+fn doubts(path: &Path, kind: SourceKind, scale: SkyScale, balance: &SkyBalance) -> Vec<Message> {
     let (file, mut found) = (path.display(), Vec::new());
     if kind != SourceKind::Photograph && balance.holds_sun() {
         let of_matrix = if kind == SourceKind::Matrix { " with `gendaymtx -s`" } else { "" };
-        found.push(format!(
+        found.push(message!(
             "{file}: its skies give an open plane {:.0} % of the diffuse irradiance of the same rows: they seem to contain the sun, \
              which would count twice, as the direct irradiance is added. Make them{of_matrix} without the sun",
             100.0 * balance.ratio().unwrap_or_default()
@@ -253,7 +254,7 @@ fn doubts(path: &Path, kind: SourceKind, scale: SkyScale, balance: &SkyBalance) 
             SourceKind::Matrix => "; gendaymtx writes solar radiation with `-O1`, and by default only visible light",
             _ => "",
         };
-        found.push(format!(
+        found.push(message!(
             "{file}: its skies give an open plane {:.0} % of the diffuse irradiance of the same rows, and are used unscaled; \
              {{sky_scale}} dhi scales them{of_matrix}",
             100.0 * ratio
@@ -261,7 +262,7 @@ fn doubts(path: &Path, kind: SourceKind, scale: SkyScale, balance: &SkyBalance) 
     }
     if scale == SkyScale::Dhi && balance.black > 0 {
         let rows = balance.black;
-        found.push(format!(
+        found.push(message!(
             "{file}: {rows} of its skies are black in rows with diffuse irradiance: a uniform sky is used there"
         ));
     }
@@ -279,8 +280,8 @@ impl heliotile_requests::Parse for SkyChoice {
         heliotile_requests::Form::TEXT
     }
 
-    fn parse(text: &str) -> std::result::Result<Self, String> {
-        text.parse().map_err(|error: Error| error.to_string())
+    fn parse(text: &str) -> std::result::Result<Self, heliotile_requests::Wrong> {
+        text.parse().map_err(|error: Error| error.to_string().into())
     }
 
     fn path(&self) -> Option<&Path> {

@@ -34,7 +34,7 @@ impl GroundSpot {
             wanted += grid.size();
             if wanted > MOST_PLACES {
                 let what = "the number of places on the ground among rows".to_owned();
-                return Err(Error::Limit { what, value: wanted as u64, max: MOST_PLACES as u64 });
+                return Err(Error::Limit { what: what.into(), value: wanted as u64, max: MOST_PLACES as u64 });
             }
             let below = |p: DVec2| siting.top(p.x, p.y).map(|top| top.z);
             let modules = laid.fields().iter().flat_map(|field| &field.modules);
@@ -45,7 +45,7 @@ impl GroundSpot {
                 return Err(Error::input(file, None, what, "give `ground` a smaller distance, or leave it out"));
             }
             if left_out > 0 {
-                observer.warn(&format!(
+                observer.warn(format!(
                     "{}: the rows `{name}`: {left_out} of {} places on the ground are left out: they have no ground below, or lie inside of modules",
                     file.display(),
                     found.list.len() + left_out

@@ -2,6 +2,7 @@
 //! its receivers, replayed by the engine.
 
 use crate::own_skies::SkyChoice;
+use heliotile_core::text::Message;
 use std::cell::RefCell;
 use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
@@ -76,10 +77,10 @@ impl<'a> Light<'a> {
     }
 
     /// Returns notes for readers of times.
-    pub fn notes(&self, request: &PvRequest) -> Vec<String> {
+    pub fn notes(&self, request: &PvRequest) -> Vec<Message> {
         let typical = self.dated.years == Years::Typical && request.hourly;
         let text = "months of the weather file come from different years, and hours show these years; {year} 2019 would date all of them in 2019";
-        typical.then(|| text.to_owned()).into_iter().collect()
+        typical.then(|| text.into()).into_iter().collect()
     }
 
     /// Returns the labels of the months.

@@ -67,9 +67,9 @@ pub struct PvRequest {
     #[field(short = 'p', metavar = "FILE", input = Any)]
     pub points: Option<PathBuf>,
     /// Rows of modules, TOML: each table `rows` has a name, an area or surface, tilt, azimuth,
-    /// pitch, width, height. Modules shade each other, reflect light to each other, and have a front and a
-    /// rear. `ground = 0.5` adds receivers on the ground among the rows, 0.5 m apart, with the
-    /// light that plants use.
+    /// pitch, width, height. Modules shade each other, reflect light to each other, and have a
+    /// front and a rear. `ground = 0.5` adds receivers on the ground among the rows, 0.5 m apart,
+    /// with the light that plants use.
     #[field(short = 'r', metavar = "FILE", input = Any)]
     pub rows: Option<PathBuf>,
     /// Bifaciality, the share of the light on the rear that is added to that on the front, for

@@ -12,7 +12,7 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::observer::Observer;
 use heliotile_core::orientation::fan::Orientation;
 use heliotile_core::site::north::North;
-use heliotile_core::text::counted;
+use heliotile_core::text::{counted, message};
 use heliotile_scene::covering::surfaces::Surfaces;
 use heliotile_scene::pv::layout::{Laid, Module, Outline, lay};
 use heliotile_scene::pv::rows::{RowsGround, RowsOfModules, surface_named};
@@ -59,7 +59,7 @@ impl LaidRows {
                     Ok(surface) => Outline::of_surface(surface),
                     Err(near) => {
                         let what = format!("the scene has no surface `{name}`");
-                        let hint = format!("name one that `{{command:receivers}}` lists, such as {}", near.join(", "));
+                        let hint = message!("name one that `{{command:receivers}}` lists, such as {}", near.join(", "));
                         return Err(Error::input(file, None, what, hint));
                     }
                 },
@@ -85,14 +85,14 @@ impl LaidRows {
                 return Err(Error::Limit { what, value, max: MOST_MODULES as u64 });
             }
             if left_out > 0 {
-                observer.warn(&format!(
+                observer.warn(format!(
                     "{}: the rows `{}`: {} left out: no surface below, or an object passes through",
                     file.display(),
                     rows.name,
                     counted(left_out as u64, "module")
                 ));
             }
-            observer.note(&format!(
+            observer.note(format!(
                 "the rows `{}` have {} in {}",
                 rows.name,
                 counted(modules.len() as u64, "module"),

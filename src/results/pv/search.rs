@@ -2,6 +2,7 @@
 //! fans of orientations, with all reflections, first coarse over the allowed range, then fine
 //! around the best. Receivers of one place share what they see. The peak is that of a fit.
 
+use heliotile_core::text::message;
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -62,7 +63,7 @@ pub fn run(request: &PvRequest, light: &Light, prepared: &PreparedScene, spots: 
     }
     for (search, spot) in searched.iter().zip(&spots.list) {
         if spot.given.is_some_and(|given| !within(&given)) {
-            let what = format!("point `{}` has an orientation outside of {{tilts}} or {{azimuths}}", search.point);
+            let what = message!("point `{}` has an orientation outside of {{tilts}} or {{azimuths}}", search.point);
             light.observer().warn(&what);
         }
     }

@@ -161,7 +161,7 @@ impl Spots {
 /// Returns a point with its height, without an orientation; refuses a point inside an object or
 /// below the ground.
 pub fn placed(table: &Path, point: &PlacePoint, siting: &Siting) -> Result<Spot> {
-    let refuse = |what: String, hint: &str| Err(Error::input(table, point.line, what, hint));
+    let refuse = |what: String, hint: &'static str| Err(Error::input(table, point.line, what, hint));
     let name = &point.name;
     let z = match point.height {
         PointHeight::Z(z) => z,

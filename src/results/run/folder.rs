@@ -2,6 +2,7 @@
 //! results. Out: names, and a refusal if results of another scene, spacing, accuracy or weather
 //! would be lost.
 
+use heliotile_core::text::message;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -147,7 +148,7 @@ impl RunFiles {
         now.claim(&self.results, request.replace)?;
         let stale = self.stale(&now);
         if !stale.is_empty() {
-            observer.warn(&format!(
+            observer.warn(message!(
                 "results in {} are of an earlier archive: run their weather again with {{replace}}",
                 stale.join(", ")
             ));

@@ -1,6 +1,7 @@
 //! Maps that a run may write. In: its arguments, the scene. Out: a refusal before any work, and the
 //! city model that gets sums.
 
+use heliotile_core::text::Message;
 use std::path::Path;
 
 use glam::DVec3;
@@ -52,19 +53,19 @@ pub fn formats(maps: &[RunMap]) -> impl Iterator<Item = MapFormat> {
 
 /// Returns the city model of a scene that sums can be written into.
 pub fn city_model_of(site: &SceneFiles) -> Result<&Path> {
-    let refuse = |what: &str, hint: &str| Err(Error::argument("map", what, hint));
+    let refuse = |what: Message, hint: &'static str| Err(Error::argument("map", what, hint));
     match city_models(site).as_slice() {
         [only] => {
             let text = input::read(only)?;
             if !text.windows(CITY_JSON.len()).any(|part| part == CITY_JSON) {
                 let what = format!("`{}` is not CityJSON", only.display());
-                return refuse(&what, "give the scene as CityJSON, or choose another map");
+                return refuse(what.into(), "give the scene as CityJSON, or choose another map");
             }
             Ok(only)
         }
-        [] => refuse("no file of the scene is CityJSON", "give the scene as CityJSON, or choose another map"),
+        [] => refuse("no file of the scene is CityJSON".into(), "give the scene as CityJSON, or choose another map"),
         _ => refuse(
-            "several files of the scene may be CityJSON",
+            "several files of the scene may be CityJSON".into(),
             "replay site.helio with {model} FILE.city.json {output} OUT.city.json, once for each",
         ),
     }

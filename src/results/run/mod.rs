@@ -187,7 +187,7 @@ impl RunRequest {
             let (archives, place, folder) = (Archives::one(&archive), &*files.archive, &*files.folder);
             let site = SunlightSite { archives, receivers: &receivers, place, folder };
             let done = request.write(&rules, &site, None, results.about.clone(), resources)?;
-            resources.observer.report(&done.text());
+            resources.observer.report(done.text());
         }
         self.write_page(&files)?;
         Ok(RunDone { files: files.names(self), folder: files.folder, archive: files.archive, table })

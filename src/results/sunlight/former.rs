@@ -1,6 +1,7 @@
 //! Values of places before a change. In: answers of the site before, places of both sites. Out:
 //! values by the names of places after.
 
+use heliotile_core::text::message;
 use std::collections::HashMap;
 
 use super::measure::RuleValue;
@@ -67,7 +68,7 @@ impl FormerValues {
         let bytes = places.saturating_mul(items).saturating_mul(BYTES_OF_VALUE);
         let most = resources.memory.share(Use::ReceiverList);
         if bytes > most {
-            let what = format!(
+            let what = message!(
                 "the memory for the values of {places} places before, in bytes (raise {{memory}}, or give fewer {{dates}})"
             );
             return Err(Error::Limit { what, value: bytes, max: most });

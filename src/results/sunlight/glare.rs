@@ -36,7 +36,7 @@ use heliotile_core::observer::Observer;
 use heliotile_core::site::north::North;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::sunlight::{GlareAngles, MirrorSpells, Spell, Spells, Strongest, SunDay};
-use heliotile_core::text::counted;
+use heliotile_core::text::{counted, message};
 use heliotile_core::units::tilt_and_azimuth;
 use heliotile_core::weather::time::calendar::Date;
 
@@ -244,9 +244,8 @@ impl SpellRecord {
         self.spells.extend(spells.into_iter().map(|spell| (number, spell)));
         let value = self.spells.len() as u64;
         if value > self.most {
-            let what = "the number of spells of sun in mirrors (raise {memory}, or choose fewer {dates} or receivers)"
-                .to_owned();
-            return Err(Error::Limit { what, value, max: self.most });
+            let what = "the number of spells of sun in mirrors (raise {memory}, or choose fewer {dates} or receivers)";
+            return Err(Error::Limit { what: what.into(), value, max: self.most });
         }
         Ok(())
     }
@@ -257,7 +256,7 @@ impl SpellRecord {
         let (path, spells) = (path.display(), counted(self.spells.len() as u64, "spell"));
         let text = format!("{path}: {spells}, {:.1} MB", bytes as f64 / 1e6);
         if bytes > LARGE_SPELLS {
-            observer.warn(&format!("{text}; .parquet is smaller, as are fewer {{dates}} or receivers"));
+            observer.warn(message!("{text}; .parquet is smaller, as are fewer {{dates}} or receivers"));
         } else {
             observer.note(&text);
         }

@@ -25,7 +25,7 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::hemisphere::HEMISPHERE_SR;
 use heliotile_core::memory::Use;
 use heliotile_core::opened::OpenSite;
-use heliotile_core::text::counted;
+use heliotile_core::text::{counted, message};
 
 /// Number of places whose rows are written together.
 const PLACES_AT_ONCE: usize = 256;
@@ -231,7 +231,7 @@ impl SunlightRequest {
         let path = archives.first().path();
         let what = "has no mirror and no glass, so no sun is reflected onto its receivers";
         if self.glare.is_none() {
-            resources.observer.note(&format!("{} {what}: rules about sun in mirrors are met", path.display()));
+            resources.observer.note(format!("{} {what}: rules about sun in mirrors are met", path.display()));
             return Ok(());
         }
         let hint =
@@ -247,7 +247,7 @@ impl SunlightRequest {
         let texel_deg = HEMISPHERE_SR.sqrt().to_degrees() / f64::from(settings.sky_fine);
         let minutes = texel_deg / DEGREES_A_MINUTE;
         if minutes > 1.0 && !self.exact {
-            observer.warn(&format!(
+            observer.warn(message!(
                 "{}: a texel of its sky is {texel_deg:.2} degrees wide, and the sun takes {minutes:.1} minutes to pass it: times are no \
                  more exact than that (build it with {{quality}} standard, or give {{exact}})",
                 archives.first().path().display()

@@ -18,7 +18,7 @@ use crate::request::ReplayRequest;
 use crate::resources::Resources;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::place::Place;
-use heliotile_core::text::counted;
+use heliotile_core::text::{counted, message};
 use heliotile_core::weather::conditions::Stamp;
 use heliotile_core::weather::options::WeatherOptions;
 use heliotile_core::weather::time::calendar::Date;
@@ -253,7 +253,7 @@ impl SunlightRequest {
             return Err(Error::input(archives.first().path(), None, what, hint));
         };
         if archives.manifest().place.is_none() {
-            resources.observer.note(&format!(
+            resources.observer.note(format!(
                 "the archive has no place: the sun is calculated for the place of the weather file, {place}"
             ));
         }
@@ -262,7 +262,7 @@ impl SunlightRequest {
             let zone = ClockZone::of_longitude(place.longitude_deg);
             resources
                 .observer
-                .note(&format!("times are in the zone {zone}, from the longitude; {{zone}} sets another"));
+                .note(message!("times are in the zone {zone}, from the longitude; {{zone}} sets another"));
             zone
         });
         let offset = zone.standard(self.year);
@@ -280,7 +280,7 @@ impl SunlightRequest {
             return Ok((plan, Asked::Dates(rows)));
         }
         for rule in rules.iter().filter(|rule| !rule.unconfirmed.is_empty()) {
-            resources.observer.note(&format!("{}: not confirmed: {}", rule.name, rule.unconfirmed));
+            resources.observer.note(format!("{}: not confirmed: {}", rule.name, rule.unconfirmed));
         }
         let rules = plan.rules(rules, &self.dates, sunny.as_ref(), self.least_altitude_deg)?;
         if let Some((weather, path)) = weather.as_ref().zip(self.weather.as_deref()) {

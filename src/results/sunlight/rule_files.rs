@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Deserialize;
 
 use super::rule::Rule;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_scene::input;
 use heliotile_scene::line_of_offset;
 
@@ -66,7 +66,8 @@ pub fn read_rules(names: &[String]) -> Result<Vec<Rule>> {
             None => {
                 let shipped: Vec<&str> = SHIPPED.iter().map(|(shipped, _)| *shipped).collect();
                 let hint = format!("give {}, or a file of your own that ends with .toml", shipped.join(", "));
-                return Err(Error::argument("rule", format!("`{name}` is not a known rule"), hint));
+                let unknown = Problem::unknown(name, shipped);
+                return Err(Error::argument("rule", format!("`{name}` is not a known rule"), hint).because(unknown));
             }
         };
         for rule in rules_of(path, &text)? {
@@ -83,7 +84,7 @@ pub fn read_rules(names: &[String]) -> Result<Vec<Rule>> {
 fn rules_of(path: &Path, text: &str) -> Result<Vec<Rule>> {
     let file: RuleFile = toml::from_str(text).map_err(|error| {
         let line = error.span().map(|span| line_of_offset(text.as_bytes(), span.start));
-        Error::input(path, line, error.message(), KEYS)
+        Error::input(path, line, error.message().to_owned(), KEYS)
     })?;
     match file.rule.is_empty() {
         true => Err(Error::input(path, None, "holds no rule", KEYS)),

@@ -148,6 +148,7 @@ fn words(site: &SiteSummary, ladder: &LadderTable) -> String {
         );
     }
     text + &site.observer.in_words(
-        "To ask for an error instead of a setting, build with <code>{error} 2%</code>, or the number that you need.",
+        &"To ask for an error instead of a setting, build with <code>{error} 2%</code>, or the number that you need."
+            .into(),
     )
 }

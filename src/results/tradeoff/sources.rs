@@ -114,7 +114,7 @@ pub(super) fn each_alone(bench: &Bench, left_out: Effects, suns: &ErrorCondition
         let base = if of_sky { BuildSettings { left_out: Effects::ALL, ..base } } else { base };
         let mut finest = base;
         (row.finest)(&mut finest);
-        let (truth, named) = (trial(finest)?, bench.observer.in_words(row.truth));
+        let (truth, named) = (trial(finest)?, bench.observer.in_words(&row.truth.into()));
         let from = points.len();
         for &value in row.values {
             let mut settings = base;

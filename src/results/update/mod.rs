@@ -136,8 +136,8 @@ impl UpdateRequest {
         let mut after = states.stay(held)?;
         if !after.buried.is_empty() {
             let (count, names) = (counted(after.buried.len() as u64, "receiver"), after.buried.iter().cloned());
-            observer.warn(&with_list(
-                &format!("{count} left out: the edits put them inside an object, or cover them"),
+            observer.warn(with_list(
+                format!("{count} left out: the edits put them inside an object, or cover them"),
                 names,
             ));
         }
@@ -216,7 +216,7 @@ impl UpdateRequest {
         SiteSettings::of(&manifest.settings, before.path())?;
         if let Some(negligible) = &manifest.negligible {
             let left_out = manifest.settings.left_out.join(", ");
-            observer.warn(&format!(
+            observer.warn(format!(
                 "{} leaves out {left_out}, which contributed little under {}: their contribution to the edited scene is not known",
                 before.path().display(),
                 negligible.weather
@@ -234,7 +234,7 @@ impl UpdateRequest {
         let mut build = Build { scene: &prepared, receivers: &mut tiles, workspace: &workspace, observer };
         let report = build.write(&plan, &output, &sources).map_err(|error| error.advise(OTHER_EDITS))?;
         report.warnings.iter().for_each(|warning| observer.warn(warning));
-        observer.report(&tables::summary(&report, scene, &self.output));
+        observer.report(tables::summary(&report, scene, &self.output));
         let built = Archive::open_with(&self.output, Access::Read)?;
         black_below_horizon(&built)?.iter().for_each(|lost| observer.warn(lost));
         Ok(report)

@@ -47,7 +47,7 @@ impl Request for Density {
         DensityFields::groups()
     }
 
-    fn fill(&mut self, name: &str, texts: &[String]) -> std::result::Result<bool, String> {
+    fn fill(&mut self, name: &str, texts: &[String]) -> std::result::Result<bool, heliotile_requests::Wrong> {
         let mut fields = DensityFields::default();
         let is_known = fields.fill(name, texts)?;
         let stated = fields.per_surface.map(Density::PerSurface).or(fields.spacing_m.map(Density::Spacing));

@@ -1,6 +1,7 @@
 //! A scene while it is edited. In: a scene as an archive holds it, one edit after the other. Out:
 //! its triangles in input coordinates, and the fate of each object.
 
+use heliotile_core::text::message;
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -139,7 +140,8 @@ impl EditedScene {
     /// Raises or lowers all corners at or above the lowest roof of some objects, which may be the
     /// parts of one building.
     pub(super) fn raise(&mut self, name: &str, objects: &[u32], height: NewHeight) -> Result<()> {
-        let refuse = |what: String, hint: &str| Err(Error::argument("height", format!("`{name}` {what}"), hint));
+        let refuse =
+            |what: String, hint: &'static str| Err(Error::argument("height", format!("`{name}` {what}"), hint));
         let all: Vec<[DVec3; 3]> = objects
             .iter()
             .flat_map(|object| self.own(*object).map(|(corners, _)| *corners).collect::<Vec<_>>())
@@ -199,7 +201,7 @@ impl EditedScene {
             (None, Some(material)) => self.push_material(material.clone()),
             (None, None) => {
                 let known = self.materials.iter().chain(described).map(|material| material.name.as_str());
-                let hint = format!("known materials: {}; {{materials}} may describe others", proposed(name, known));
+                let hint = message!("known materials: {}; {{materials}} may describe others", proposed(name, known));
                 Err(Error::argument("material", format!("there is no material `{name}`"), hint))
             }
         }
@@ -225,7 +227,7 @@ impl EditedScene {
         let number = self.materials.len();
         self.materials.push(material);
         u16::try_from(number).map_err(|_| Error::Limit {
-            what: "the number of materials in use".to_owned(),
+            what: "the number of materials in use".into(),
             value: number as u64,
             max: u64::from(u16::MAX),
         })

@@ -4,7 +4,7 @@
 use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::site::scene_object::SceneObject;
 use heliotile_core::text::counted;
 
@@ -33,7 +33,8 @@ impl<'a> ObjectNames<'a> {
             Some(found) => Ok(found.iter().copied().collect()),
             None => {
                 let what = format!("{} has no object or building `{}`", file.display(), excerpt(name.as_bytes()));
-                Err(Error::argument(field, what, format!("known names: {}", proposed(name, self.0.keys().copied()))))
+                let hint = format!("known names: {}", proposed(name, self.0.keys().copied()));
+                Err(Error::argument(field, what, hint).because(Problem::unknown(name, self.0.keys().copied())))
             }
         }
     }

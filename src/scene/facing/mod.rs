@@ -34,7 +34,7 @@ use crate::polygon::{area_vector_of, object_name};
 use crate::semantics::SurfaceKind;
 use heliotile_core::site::material::Class;
 use heliotile_core::site::morton::lexicographic;
-use heliotile_core::text::{counted, with_list};
+use heliotile_core::text::{Message, counted, message, with_list};
 use shells::{Patch, Shell};
 use sides::{Rule, Sides, Verdict};
 use twins::Twin;
@@ -338,9 +338,9 @@ fn report(geometry: &mut Geometry, changes: &Changes) {
         let first = names.iter().take(MOST_NAMES).cloned().collect::<Vec<_>>().join(", ");
         match objects {
             0 => None,
-            1..=MOST_NAMES => Some(format!("{count} of {first} {what}")),
+            1..=MOST_NAMES => Some(message!("{count} of {first} {what}")),
             _ => Some(with_list(
-                &format!(
+                format!(
                     "{count} of {} ({first} and {} more) {what}",
                     counted(objects as u64, "object"),
                     objects - MOST_NAMES
@@ -349,7 +349,7 @@ fn report(geometry: &mut Geometry, changes: &Changes) {
             )),
         }
     };
-    let sentences: Vec<String> = [
+    let sentences: Vec<Message> = [
         said(&changes.uncrossed, "had an outline that crossed itself: two swapped corners were put in order"),
         said(&changes.repeated, "appeared twice: one copy of each is left out"),
         said(&changes.turned, "pointed into their object: they were turned outwards"),

@@ -233,7 +233,7 @@ fn areas(name: &str, text: &str) -> (BTreeMap<String, Areas>, Vec<String>) {
         let object = surfaces.objects[surface.object].0.clone();
         *found.entry(object).or_default().entry(surface.kind).or_default() += surface.area_m2;
     }
-    (found, scene.report.warnings)
+    (found, scene.report.warnings.iter().map(|said| said.plain()).collect())
 }
 
 /// For each of 1,000 boxes, L, courts and gabled houses with one or two faults (faces turned,

@@ -9,7 +9,7 @@ use std::path::Path;
 use glam::DVec2;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::scene_object::ObjectNote;
-use heliotile_core::text::counted;
+use heliotile_core::text::{Message, counted, message};
 
 use crate::attributes::{object_of, text_of};
 use crate::footprint::{Footprint, PlanRing, StatedHeights};
@@ -40,7 +40,7 @@ pub(crate) struct FootprintFile<'a> {
 }
 
 /// Adds the faces of all footprints to the geometry of their files; returns notes on what was done.
-pub(crate) fn raise(files: &mut [FootprintFile], ground: &GroundBelow) -> Result<Vec<String>> {
+pub(crate) fn raise(files: &mut [FootprintFile], ground: &GroundBelow) -> Result<Vec<Message>> {
     let mut town = Town::of(files);
     let all = town.members.len();
     let pairs = {
@@ -63,13 +63,13 @@ pub(crate) fn raise(files: &mut [FootprintFile], ground: &GroundBelow) -> Result
     }
     let noded = town.noded();
     let free = free_walls(sides_of(&noded), &town.standing());
-    let mut notes = vec![format!(
+    let mut notes = vec![message!(
         "{} and building parts raised from footprints, with flat roofs; {} of their sides touch a neighbour",
         counted((all - consist_of_parts) as u64, "building"),
         free.shared_sides
     )];
     if filled > 0 {
-        notes.push(format!(
+        notes.push(message!(
             "{} overlapped another building, which keeps the shared space",
             counted(filled as u64, "footprint")
         ));
@@ -175,7 +175,7 @@ impl Town {
         }
     }
 
-    fn base_notes(&self, ground: &GroundBelow) -> Vec<String> {
+    fn base_notes(&self, ground: &GroundBelow) -> Vec<Message> {
         let others = self.members.iter().filter(|member| member.heights.base_m.is_none()).count();
         let mut notes = Vec::new();
         if others > 0 {
@@ -183,11 +183,11 @@ impl Town {
                 true => "stand at the height of their file (0 m, or {elevation}), because no file has terrain",
                 false => "stand on the lowest ground below their outline",
             };
-            notes.push(format!("{} {base}", counted(others as u64, "footprint")));
+            notes.push(message!("{} ", counted(others as u64, "footprint")).and(base));
         }
         if self.beside_ground > 0 {
             let beside = counted(self.beside_ground as u64, "footprint");
-            notes.push(format!("{beside} outside of the terrain: the lowest base of all footprints is used"));
+            notes.push(message!("{beside} outside of the terrain: the lowest base of all footprints is used"));
         }
         notes
     }

@@ -30,7 +30,7 @@ impl Header {
 pub(crate) fn parse(bytes: &[u8], file: &Path) -> Result<Raster> {
     if let Some(other) = other_kind(bytes) {
         return Err(Error::Unsupported {
-            what: format!("the terrain {}", file.display()),
+            what: format!("the terrain {}", file.display()).into(),
             found: other.into(),
             supported:
                 "Esri ASCII grids, which begin with ncols, and GeoTIFF: `gdal_translate in.dem out.tif` makes one"

@@ -1,6 +1,7 @@
 //! In: the numbers of a GeoTIFF's GeoKeyDirectory (tag 34735, OGC 19-008r4 section 7.1). Out: the
 //! coordinate system and the units that it states.
 
+use heliotile_core::text::{Message, message};
 use std::path::Path;
 
 use crate::epsg_numbers::{Axes, FOOT_M, US_FOOT_M, axes_of, height_unit_m};
@@ -142,7 +143,7 @@ impl GeoKeys {
     }
 
     /// Returns the coordinate system and units; refuses degrees and geocentric coordinates.
-    pub(super) fn meaning(&self, file: &Path, warnings: &mut Vec<String>) -> Result<Meaning> {
+    pub(super) fn meaning(&self, file: &Path, warnings: &mut Vec<Message>) -> Result<Meaning> {
         // 1 is projected, 2 longitude and latitude, 3 geocentric.
         let model = self.get(MODEL_TYPE);
         let geographic = self.get(GEOGRAPHIC_SYSTEM);
@@ -159,7 +160,7 @@ impl GeoKeys {
         }
         let file = file.display();
         if self.get(PROJECTED_SYSTEM) == Some(USER_DEFINED) && self.system().is_none() {
-            warnings.push(format!(
+            warnings.push(message!(
                 "{file}: no EPSG code was found for the coordinate system that the file defines; the place on Earth stays unknown: \
                  give {{crs}}"
             ));
@@ -168,7 +169,9 @@ impl GeoKeys {
             [(PLANE_UNIT, self.plane_unit_m(), "coordinates"), (HEIGHT_UNIT, self.height_unit_m(), "heights")]
         {
             if let Some(unit) = self.get(key).filter(|_| known.is_none()) {
-                warnings.push(format!("{file}: the unit of the {what} (EPSG:{unit}) is not known; metres are assumed"));
+                warnings.push(
+                    format!("{file}: the unit of the {what} (EPSG:{unit}) is not known; metres are assumed").into(),
+                );
             }
         }
         Ok(Meaning {

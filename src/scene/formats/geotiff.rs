@@ -4,6 +4,7 @@
 //! The crate `tiff` decodes samples, one strip or tile at a time. The size that the file claims is
 //! checked before.
 
+use heliotile_core::text::Message;
 use std::io;
 use std::io::{Cursor, Read, Seek, SeekFrom};
 use std::path::Path;
@@ -138,7 +139,8 @@ pub(crate) fn parse(bytes: &[u8], file: &Path) -> Result<Raster> {
         let metres = metres_of_unit(unit);
         if metres.is_none() {
             let (file, unit) = (file.display(), excerpt(unit.as_bytes()));
-            warnings.push(format!("{file}: the unit of the heights, `{unit}`, is not known; metres are assumed"));
+            warnings
+                .push(format!("{file}: the unit of the heights, `{unit}`, is not known; metres are assumed").into());
         }
         meaning.height_unit_m = metres.or(meaning.height_unit_m);
     }
@@ -169,14 +171,14 @@ fn refused(file: &Path, doing: &str, error: &TiffError) -> Error {
     let why = excerpt(problem.as_bytes());
     match error {
         TiffError::UnsupportedError(TiffUnsupportedError::UnsupportedCompressionMethod(method)) => Error::Unsupported {
-            what: format!("the raster {}", file.display()),
+            what: format!("the raster {}", file.display()).into(),
             found: compression(*method),
             supported: "samples without compression or with Deflate, LZW, Zstandard or PackBits: pack it again with \
                         `gdal_translate -co COMPRESS=DEFLATE in.tif out.tif`"
                 .into(),
         },
         TiffError::UnsupportedError(_) => Error::Unsupported {
-            what: format!("the raster {}", file.display()),
+            what: format!("the raster {}", file.display()).into(),
             found: why,
             supported:
                 "8, 16, 32 and 64 bit integers and 32 and 64 bit floats, uncompressed or with Deflate, LZW, Zstandard or \
@@ -200,7 +202,7 @@ fn compression(method: CompressionMethod) -> String {
     }
 }
 
-fn nodata(tiff: &mut Tiff, file: &Path, warnings: &mut Vec<String>) -> Option<f64> {
+fn nodata(tiff: &mut Tiff, file: &Path, warnings: &mut Vec<Message>) -> Option<f64> {
     let text = match tiff.find_tag(Tag::GdalNodata) {
         Ok(None) => return None,
         Ok(Some(value)) => value.into_string().unwrap_or_default(),
@@ -210,7 +212,7 @@ fn nodata(tiff: &mut Tiff, file: &Path, warnings: &mut Vec<String>) -> Option<f6
     let number = word.parse().ok();
     if number.is_none() {
         let shown = excerpt(word.as_bytes());
-        warnings.push(format!("{}: the nodata value `{shown}` is not a number and is ignored", file.display()));
+        warnings.push(format!("{}: the nodata value `{shown}` is not a number and is ignored", file.display()).into());
     }
     number
 }
@@ -220,7 +222,7 @@ fn georeference(
     tiff: &mut Tiff,
     file: &Path,
     aux: Option<&str>,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Message>,
 ) -> Result<(Grid, Meaning)> {
     let (columns, rows) = tiff.dimensions().map_err(|e| refused(file, "its size", &e))?;
     let mut doubles = |tag: Tag| -> Vec<f64> {
@@ -233,7 +235,7 @@ fn georeference(
     // The georeference in the raster itself comes before the files beside it.
     let stated = (scale.len() >= 2 && ties.len() >= 6) || transformation.len() >= 8;
     let beside = if stated { None } else { sidecar::world_file(file)?.or_else(|| sidecar::place_of_aux(aux?)) };
-    let refuse = |what: &str, hint: &str| Err(Error::input(file, None, what, hint));
+    let refuse = |what: &'static str, hint: &'static str| Err(Error::input(file, None, what, hint));
     // Scale with tie point, and transformation, both lead to the position of corner (or sample) 0,
     // 0 and a step east and south.
     let (first, step) = match (scale.as_slice(), ties.as_slice(), transformation.as_slice()) {
@@ -282,7 +284,7 @@ fn georeference(
 
 /// Returns the samples of the first band, in any number format. Samples that an opacity band hides
 /// are NaN.
-fn first_band(tiff: &mut Tiff, file: &Path, samples: usize, warnings: &mut Vec<String>) -> Result<Vec<f32>> {
+fn first_band(tiff: &mut Tiff, file: &Path, samples: usize, warnings: &mut Vec<Message>) -> Result<Vec<f32>> {
     let bad = |e: TiffError| refused(file, "its samples", &e);
     // "White is zero" inverts numbers, and `tiff` would invert them; no heights are meant that way.
     if tiff.find_tag_unsigned::<u16>(Tag::PhotometricInterpretation).ok().flatten() == Some(0) {
@@ -296,8 +298,9 @@ fn first_band(tiff: &mut Tiff, file: &Path, samples: usize, warnings: &mut Vec<S
     let alpha =
         extra.iter().position(|kind| matches!(kind, 1 | 2)).map(|place| colours + place).filter(|place| *place > 0);
     if usize::from(bands) > 1 + usize::from(alpha.is_some()) {
-        warnings
-            .push(format!("{}: the first of {bands} bands holds the heights; the others are ignored", file.display()));
+        warnings.push(
+            format!("{}: the first of {bands} bands holds the heights; the others are ignored", file.display()).into(),
+        );
     }
     let mut heights = band(tiff, file, 0, samples)?;
     if let Some(alpha) = alpha {

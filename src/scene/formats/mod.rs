@@ -235,7 +235,7 @@ pub(super) fn read(path: &Path, asked: &Asked) -> Result<Content> {
                  ellipsoid",
                 path.display(),
                 frame.reference()
-            ));
+            ).into());
         }
         return finished(geometry);
     }
@@ -274,7 +274,7 @@ fn unknown_ending(path: &Path, ending: &str) -> Error {
         return refusal;
     }
     Error::Unsupported {
-        what: format!("the scene {}", path.display()),
+        what: format!("the scene {}", path.display()).into(),
         found: if ending.is_empty() {
             "a name without ending".into()
         } else {

@@ -18,7 +18,7 @@ use crate::materials::select::MaterialTable;
 use crate::text::{Lines, Words, excerpt, keyword_and_rest, number, utf8};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::material::Material;
-use heliotile_core::text::with_list;
+use heliotile_core::text::{Message, message, with_list};
 
 /// Materials that are wanted from the libraries of an OBJ file.
 pub(super) struct Wanted<'a> {
@@ -47,7 +47,7 @@ pub(super) fn read_libraries(
     obj: &Path,
     libraries: &[Library],
     wanted: &Wanted,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Message>,
 ) -> Result<MaterialTable> {
     let folder = obj.parent().unwrap_or(Path::new(""));
     let mut table = MaterialTable::new();
@@ -71,16 +71,19 @@ pub(super) fn read_libraries(
                         path.display(),
                         odd.len()
                     );
-                    warnings.push(with_list(&sentence, odd.drain(..)));
+                    warnings.push(with_list(sentence, odd.drain(..).map(|odd| odd.plain())));
                 }
                 warnings.append(&mut odd);
             } else {
-                warnings.push(format!(
-                    "{}, line {}: the material library {} was not found",
-                    obj.display(),
-                    library.line,
-                    path.display()
-                ));
+                warnings.push(
+                    format!(
+                        "{}, line {}: the material library {} was not found",
+                        obj.display(),
+                        library.line,
+                        path.display()
+                    )
+                    .into(),
+                );
             }
             done.push(path);
         }
@@ -120,7 +123,7 @@ fn parse(
     file: &Path,
     wanted: &Wanted,
     table: &mut MaterialTable,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Message>,
 ) -> Result<Undescribed> {
     let mut nothing = Undescribed::default();
     let mut lines = Lines::new(bytes);
@@ -174,18 +177,24 @@ fn mean_of_channels(file: &Path, line: usize, keyword: &str, text: &[u8]) -> Res
         [Some(r), Some(g), Some(b), ..] if [r, g, b].iter().all(|c| (0.0..=1.0).contains(*c)) => (r + g + b, 3.0),
         _ => {
             let what = format!("`{keyword}` is `{}`, not three numbers from 0 to 1", excerpt(text));
-            let hint = format!("write `{keyword} r g b`, or give reflectances in materials.toml ({{materials}})");
+            let hint = message!("write `{keyword} r g b`, or give reflectances in materials.toml ({{materials}})");
             return Err(Error::input(file, line, what, hint));
         }
     };
     Ok(sum / count)
 }
 
-fn finish(block: Block, file: &Path, table: &mut MaterialTable, nothing: &mut Undescribed, warnings: &mut Vec<String>) {
+fn finish(
+    block: Block,
+    file: &Path,
+    table: &mut MaterialTable,
+    nothing: &mut Undescribed,
+    warnings: &mut Vec<Message>,
+) {
     let shown = excerpt(block.name.as_bytes());
     let place = format!("{}, line {}: material `{shown}`", file.display(), block.line);
     if table.contains_key(&block.name) {
-        warnings.push(format!("{place} is defined twice; the first definition is used"));
+        warnings.push(format!("{place} is defined twice; the first definition is used").into());
         return;
     }
     let stated = block.diffuse.filter(|diffuse| !is_white(*diffuse));
@@ -204,14 +213,16 @@ fn finish(block: Block, file: &Path, table: &mut MaterialTable, nothing: &mut Un
     if sum > 1.0 {
         diffuse /= sum;
         specular /= sum;
-        warnings.push(format!(
-            "{place} reflects {sum:.3} of the light; scaled to diffuse {diffuse:.3}, specular {specular:.3}"
-        ));
+        warnings.push(
+            format!("{place} reflects {sum:.3} of the light; scaled to diffuse {diffuse:.3}, specular {specular:.3}")
+                .into(),
+        );
     }
     if block.not_modelled {
-        warnings.push(format!(
-            "{place} has a texture or is transparent, which is ignored: it is opaque and reflects its Kd"
-        ));
+        warnings.push(
+            format!("{place} has a texture or is transparent, which is ignored: it is opaque and reflects its Kd")
+                .into(),
+        );
     }
     let class = class_of_name(&block.name);
     table.insert(block.name.clone(), Material { specular, ..Material::matt(block.name, diffuse, class) });
@@ -232,7 +243,7 @@ mod tests {
         let used = text.lines().filter_map(|line| line.strip_prefix("newmtl ")).map(str::trim).collect();
         let wanted = Wanted { asked: &asked(), used };
         parse(text.as_bytes(), Path::new("town.mtl"), &wanted, &mut table, &mut warnings)?;
-        Ok((table, warnings))
+        Ok((table, warnings.iter().map(|said| said.plain()).collect()))
     }
 
     /// Diffuse is the mean of `Kd`; `Ks` counts only from illumination model 3 on.
@@ -292,7 +303,7 @@ mod tests {
         assert!((table["mirror"].specular - 0.7).abs() < 1e-12 && table["mirror"].diffuse == 0.2);
         assert_eq!((nothing.without.len(), nothing.white.len()), (1, 3));
         let said = undescribed(Path::new("t.mtl"), &nothing.white, WHITE_WORDS).expect("white ones");
-        assert!(said.starts_with("t.mtl: 3 materials (first: `wall`) of white"), "{said}");
+        assert!(said.plain().starts_with("t.mtl: 3 materials (first: `wall`) of white"), "{said:?}");
     }
 
     /// Libraries are found beside the OBJ file, with blanks in the name or two on a line. A missing
@@ -312,6 +323,6 @@ mod tests {
             read_libraries(&folder.path().join("town.obj"), &libraries, &wanted, &mut warnings).expect("readable");
         assert_eq!(table.keys().collect::<Vec<_>>(), ["a", "b", "c"]);
         assert_eq!(warnings.len(), 1);
-        assert!(warnings[0].contains("line 7") && warnings[0].contains("gone.mtl"), "{}", warnings[0]);
+        assert!(warnings[0].contains("line 7") && warnings[0].contains("gone.mtl"), "{:?}", warnings[0]);
     }
 }

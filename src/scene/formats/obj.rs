@@ -214,11 +214,14 @@ impl<'f> Reader<'f> {
             ));
         }
         for (keyword, line, times) in &self.ignored {
-            self.geometry.warnings.push(format!(
-                "{}, line {line}: `{}` is not a polygon statement; {times} such lines are ignored",
-                self.file.display(),
-                excerpt(keyword)
-            ));
+            self.geometry.warnings.push(
+                format!(
+                    "{}, line {line}: `{}` is not a polygon statement; {times} such lines are ignored",
+                    self.file.display(),
+                    excerpt(keyword)
+                )
+                .into(),
+            );
         }
         Ok((self.geometry, self.libraries))
     }
@@ -260,7 +263,7 @@ mod tests {
         assert_eq!(obj.materials.as_slice(), ["tile\u{fffd} red"]);
         assert_eq!((libraries[0].line, libraries[0].text.as_str()), (11, "my town.mtl"));
         assert_eq!((obj.objects.as_slice(), obj.warnings.len()), (&["b".to_owned(), "roof".to_owned()][..], 1));
-        assert!(obj.warnings[0].contains("line 16: `curv`"), "{}", obj.warnings[0]);
+        assert!(obj.warnings[0].contains("line 16: `curv`"), "{:?}", obj.warnings[0]);
     }
 
     /// Faces before any `usemtl` have the material "default", and a name used twice is one

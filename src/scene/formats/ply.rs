@@ -34,7 +34,7 @@ pub(super) fn parse(bytes: &[u8], file: &Path) -> Result<Geometry> {
         let other: Vec<&str> = header.elements.iter().map(|element| element.name.as_str()).collect();
         return Err(if other.contains(&"tristrips") {
             Error::Unsupported {
-                what: format!("the scene {}", file.display()),
+                what: format!("the scene {}", file.display()).into(),
                 found: "triangle strips".into(),
                 supported: "`element face`: export polygons".into(),
             }
@@ -46,7 +46,7 @@ pub(super) fn parse(bytes: &[u8], file: &Path) -> Result<Geometry> {
     let left = body.left();
     if left > 0 {
         let text = format!("{}: {left} bytes after the last element are ignored", file.display());
-        geometry.warnings.push(text);
+        geometry.warnings.push(text.into());
     }
     Ok(geometry)
 }

@@ -151,7 +151,8 @@ fn items_without_properties_take_no_time() {
                 property char y\nproperty char z\nelement face 1\nproperty list uchar uchar vertex_index\nend_header\n";
     let geometry = parse(&[head.as_bytes(), &[0, 0, 255, 3, 0, 0, 0, 1, 2, 3]].concat()).expect("readable");
     assert_eq!(geometry.vertices[0], DVec3::new(0.0, 0.0, -1.0));
-    assert_eq!(geometry.warnings, ["town.ply: 3 bytes after the last element are ignored"]);
+    assert_eq!(geometry.warnings.len(), 1);
+    assert!(geometry.warnings[0].contains("town.ply: 3 bytes after the last element are ignored"));
 }
 
 /// A polygon of 1,000,000 corners is read, and triangulation refuses it by its size before spending

@@ -1,6 +1,7 @@
 //! Small files beside a raster. In: the path of the raster. Out: the position of its cells from its
 //! world file, its coordinate system from its `.prj`, and notes on its band from its `.aux.xml`.
 
+use heliotile_core::text::{Message, message};
 use std::path::{Path, PathBuf};
 
 use glam::DVec2;
@@ -88,7 +89,7 @@ pub(super) fn complete(
     meaning: &mut Meaning,
     raster: &Path,
     aux: Option<&str>,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Message>,
 ) -> Result<()> {
     if meaning.reference.is_some() {
         return Ok(());
@@ -101,7 +102,7 @@ pub(super) fn complete(
     let shown = path.display();
     let Some(system) = TextSystem::of(&text) else {
         let text = excerpt(text.trim().as_bytes());
-        warnings.push(format!(
+        warnings.push(message!(
             "{shown}: `{text}` is not a coordinate system in well-known text (WKT); the place on Earth stays unknown: give {{crs}}"
         ));
         return Ok(());
@@ -110,7 +111,7 @@ pub(super) fn complete(
     match system.axes {
         Some(Axes::Degrees) => return Err(degrees(raster, &why)),
         Some(Axes::Geocentric) => return Err(geocentric(raster, &why)),
-        Some(Axes::Plane) if system.epsg.is_none() => warnings.push(format!(
+        Some(Axes::Plane) if system.epsg.is_none() => warnings.push(message!(
             "{shown}: no EPSG code was found for the coordinate system `{}`; the place on Earth stays unknown: give {{crs}}",
             system.name
         )),

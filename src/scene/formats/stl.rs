@@ -6,6 +6,7 @@
 //! SLC/StereoLithography Interface Specification, 1989; M. Burns, Automated Fabrication, 1993,
 //! section 6.5.
 
+use heliotile_core::text::Message;
 use std::path::Path;
 
 use glam::DVec3;
@@ -97,7 +98,7 @@ fn binary(bytes: &[u8], count: u32, file: &Path) -> Result<Geometry> {
     let left = bytes.len() as u64 - binary_size(count);
     if left > 0 {
         let text = format!("{}: {left} bytes after the last of {count} triangles are ignored", file.display());
-        geometry.warnings.push(text);
+        geometry.warnings.push(text.into());
     }
     Ok(geometry)
 }
@@ -123,7 +124,7 @@ impl Normals {
                 file.display(),
                 self.against,
                 self.judged
-            ));
+            ).into());
         }
     }
 }
@@ -170,12 +171,12 @@ impl<'f> Text<'f> {
                 b"outer" | b"endloop" | b"endsolid" => {}
                 _ => {
                     let what = format!("`{}` is not a statement of an STL file", excerpt(text));
-                    return Err(self.error(line, &what));
+                    return Err(self.error(line, what));
                 }
             }
         }
         if let Some((line, ..)) = self.facet {
-            return Err(self.error(last, &format!("the file ends within the facet of line {line}")));
+            return Err(self.error(last, format!("the file ends within the facet of line {line}")));
         }
         self.normals.warn(self.file, &mut self.geometry);
         Ok(self.geometry)
@@ -187,7 +188,7 @@ impl<'f> Text<'f> {
             (None, _) => return Err(self.error(line, "a vertex stands outside of a facet")),
             (_, None) => {
                 let what = format!("the vertex `{}` is not three numbers of at most 1e9", excerpt(rest));
-                return Err(self.error(line, &what));
+                return Err(self.error(line, what));
             }
         }
         Ok(())
@@ -210,7 +211,7 @@ impl<'f> Text<'f> {
     }
 
     #[cold]
-    fn error(&self, line: usize, what: &str) -> Error {
+    fn error(&self, line: usize, what: impl Into<Message>) -> Error {
         Error::input(self.file, line, what, "export it again, as binary STL if the program can")
     }
 }
@@ -274,7 +275,7 @@ mod tests {
             assert!((area - 6.0).abs() < 1e-6 && (volume - 1.0).abs() < 1e-6, "{area} {volume}");
             assert_eq!(geometry.objects.as_slice(), [object]);
             assert_eq!(geometry.materials.as_slice(), ["default"]);
-            assert_eq!(geometry.warnings, Vec::<String>::new());
+            assert!(geometry.warnings.is_empty(), "{:?}", geometry.warnings);
         }
     }
 
@@ -284,9 +285,9 @@ mod tests {
     fn swapped_normals_and_extra_bytes_give_warnings() {
         let swapped = parse(text_cube(-1.0).as_bytes()).expect("readable");
         assert_eq!(swapped.warnings.len(), 1);
-        assert!(swapped.warnings[0].starts_with("town.stl: 12 of 12 facet normals"), "{:?}", swapped.warnings);
+        assert!(swapped.warnings[0].plain().starts_with("town.stl: 12 of 12 facet normals"), "{:?}", swapped.warnings);
         let longer = parse(&[binary_cube(b"long"), vec![0; 7]].concat()).expect("readable");
-        assert_eq!(longer.warnings, ["town.stl: 7 bytes after the last of 12 triangles are ignored"]);
+        assert!(longer.warnings[0].contains("town.stl: 7 bytes after the last of 12 triangles are ignored"));
         let two = text_cube(1.0) + &text_cube(1.0).replace("my cube", "other");
         assert_eq!(parse(two.as_bytes()).expect("readable").objects.as_slice(), ["my cube", "other"]);
     }

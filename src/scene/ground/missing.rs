@@ -1,6 +1,7 @@
 //! The plane of a scene without ground. In: the scene's triangles with their objects. Out: the
 //! plane's height, and a warning for the user.
 
+use heliotile_core::text::{Message, message};
 use std::collections::BTreeMap;
 
 use glam::{DVec2, DVec3};
@@ -63,7 +64,7 @@ pub(crate) fn warning(
     objects: &[u32],
     plane_m: f64,
     partly: bool,
-) -> String {
+) -> Message {
     let slope = match highest_foot(positions, triangles, objects, plane_m) {
         Some(foot) if foot > SLOPE_M => {
             format!("; objects stand up to {foot:.1} m above it, so that terrain would be better")
@@ -73,7 +74,7 @@ pub(crate) fn warning(
     let lack = if partly { "the ground of the scene does not surround it" } else { "the scene has no ground" };
     let below = heights(positions, triangles).is_some_and(|[low, _]| low < plane_m);
     let at = if below { "the lowest point of what stands" } else { "its lowest point" };
-    format!(
+    message!(
         "{lack}: a plane that reflects {USUAL} is assumed at {at}, {:.2} m{slope} ({{no_ground}}: none; [endless_ground] in \
          {{materials}}: another)",
         plane_m + BELOW_M
@@ -121,8 +122,8 @@ pub(crate) fn ground_by_shape(
 }
 
 /// Returns the warning about such a material.
-pub(crate) fn ground_warning(name: &str, area_m2: f64) -> String {
-    format!(
+pub(crate) fn ground_warning(name: &str, area_m2: f64) -> Message {
+    message!(
         "material `{}` counts as an obstruction, but its {area_m2:.0} m2 lie below everything else: write class = \"ground\" for it \
          in {{materials}} if it is ground",
         excerpt(name.as_bytes())
@@ -151,9 +152,9 @@ mod tests {
         };
         assert!(
             town(1.0).contains("assumed at its lowest point, 0.00 m; objects stand up to 8.0 m above"),
-            "{}",
+            "{:?}",
             town(1.0)
         );
-        assert!(town(0.5).contains("0.00 m ({no_ground}: none; "), "{}", town(0.5));
+        assert!(town(0.5).contains("0.00 m (no_ground: none; "), "{:?}", town(0.5));
     }
 }

@@ -49,13 +49,14 @@ fn a_scene_without_ground_gets_a_plane() {
     let bare = folder.write("bare.obj", BOX);
     let scene = load(&[&bare], None);
     assert_eq!((plane(&scene), scene.mesh.triangles.len()), ((1.99, Some(0.2)), 14));
-    let said: Vec<&String> = scene.report.warnings.iter().filter(|text| text.contains("ground:")).collect();
+    let said: Vec<_> = scene.report.warnings.iter().filter(|text| text.contains("ground:")).collect();
     assert_eq!(said.len(), 1);
     assert!(
         said[0]
+            .plain()
             .starts_with("the scene has no ground: a plane that reflects 0.2 is assumed at its lowest point, 2.00 m")
     );
-    assert!(said[0].contains("{no_ground}") && said[0].contains("[endless_ground]"), "{}", said[0]);
+    assert!(said[0].contains("no_ground") && said[0].contains("[endless_ground]"), "{:?}", said[0]);
     assert!(scene.report.assumed.contains(&"endless_ground".to_owned()));
 
     let around = folder.write("lawn.obj", &format!("{BOX}{LAWN}"));
@@ -86,7 +87,11 @@ fn a_road_does_not_take_the_plane_away() {
         assert_eq!(plane(&scene).1, Some(0.2));
         let said =
             format!("the ground of the scene does not surround it: a plane that reflects 0.2 is assumed at {at}");
-        assert!(scene.report.warnings.iter().any(|text| text.starts_with(&said)), "{:?}", scene.report.warnings);
+        assert!(
+            scene.report.warnings.iter().any(|text| text.plain().starts_with(&said)),
+            "{:?}",
+            scene.report.warnings
+        );
     }
 }
 
@@ -98,11 +103,13 @@ fn ground_without_a_name_for_it_is_reported() {
     let said = |name: &str| {
         let text = format!("{BOX}v -20 -20 2\nv 20 -20 2\nv 20 20 2\nv -20 20 2\nusemtl {name}\nf -4 -3 -2 -1\n");
         let scene = load(&[&folder.write("box.obj", &text)], None);
-        let about = |text: &&String| text.contains("counts as an obstruction");
+        let about = |text: &&heliotile_core::text::Message| text.contains("counts as an obstruction");
         (scene.report.warnings.iter().find(about).cloned(), plane(&scene).1)
     };
     let (warning, assumed) = said("slab");
-    assert!(warning.is_some_and(|text| text.starts_with("material `slab` counts as an obstruction, but its 1600 m2 lie below")));
+    assert!(warning.is_some_and(|text| {
+        text.plain().starts_with("material `slab` counts as an obstruction, but its 1600 m2 lie below")
+    }));
     assert_eq!(assumed, Some(0.2));
     assert_eq!(said("asphalt"), (None, None));
 }
@@ -137,7 +144,7 @@ fn a_model_gets_its_monthly_ground() {
     let months = scene.ground.expect("by month");
     assert_eq!((months.of(12, None), months.of(6, None), months.material.as_str()), (0.4, 0.2, "endless_ground"));
     let [note] = scene.report.notes.as_slice() else { panic!("{:?}", scene.report.notes) };
-    assert!(note.starts_with("ground: a plane at 0.00 m that reflects 0.2 to 0.4 by month, as "), "{note}");
+    assert!(note.plain().starts_with("ground: a plane at 0.00 m that reflects 0.2 to 0.4 by month, as "), "{note:?}");
     assert!(!scene.report.warnings.iter().any(|text| text.contains("ground")), "{:?}", scene.report.warnings);
 
     let table = folder.write("m.toml", "[endless_ground]\ndiffuse = 0.3\n");

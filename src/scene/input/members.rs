@@ -2,6 +2,7 @@
 //! or those of each file of a zip, sorted by name, that has the first of the endings found in the
 //! zip.
 
+use heliotile_core::text::message;
 use std::fs::File;
 use std::io::{BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
@@ -36,7 +37,7 @@ pub(crate) fn each(
     if names.is_empty() && !left_out.is_empty() {
         let what = format!("the zip has none of the themes {}", themes.join(", "));
         let found = themes_of(&left_out).join(", ");
-        return Err(Error::input(path, None, what, format!("its themes are {found}: name one of them as {{layer}}")));
+        return Err(Error::input(path, None, what, message!("its themes are {found}: name one of them as {{layer}}")));
     }
     if names.is_empty() {
         let what = format!("the zip holds no file that ends with .{}", endings.join(" or ."));

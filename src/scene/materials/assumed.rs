@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::materials::select::class_of_name;
 use crate::text::excerpt;
 use heliotile_core::site::material::{Class, Material};
-use heliotile_core::text::counted;
+use heliotile_core::text::{Message, counted, message};
 
 /// Solar reflectance of walls: absorptance 0.7, the default of EnergyPlus' `Material` (Input Output
 /// Reference, `Solar Absorptance`).
@@ -40,9 +40,9 @@ pub(crate) fn is_white(mean: f64) -> bool {
 
 /// Returns a warning about colours that say nothing of the reflectance; `names` are the materials
 /// with such colours. `None` if there are none.
-pub(crate) fn undescribed(file: &Path, names: &[String], why: &str) -> Option<String> {
+pub(crate) fn undescribed(file: &Path, names: &[String], why: &str) -> Option<Message> {
     let (first, file) = (excerpt(names.first()?.as_bytes()), file.display());
-    Some(format!(
+    Some(message!(
         "{file}: {} (first: `{first}`) {why}: the usual reflectance for the name is used; state another in a materials.toml ({{materials}})",
         counted(names.len() as u64, "material")
     ))

@@ -1,6 +1,7 @@
 //! Selection of materials. In: a table of materials and the names in use. Out: one checked material
 //! for each name.
 
+use heliotile_core::text::message;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -127,13 +128,13 @@ pub(crate) fn select(
             let more = if others.len() > names.len() { ", ..." } else { "" };
             what += &format!("; {} more are missing: {}{more}", others.len(), names.join(", "));
         }
-        let mut hint = format!(
+        let mut hint = message!(
             "add to materials.toml, given with {{materials}}: {} and below it: diffuse = 0.2",
             table_header(&first.name)
         );
         let alike = first.name.to_lowercase();
         if let Some(near) = table.keys().find(|name| name.trim().to_lowercase() == alike) {
-            hint += &format!(" (there is a `{}`: case and blanks count)", excerpt(near.as_bytes()));
+            hint = hint.and(format!(" (there is a `{}`: case and blanks count)", excerpt(near.as_bytes())));
         }
         return Err(Error::input(source, None, what, hint));
     }

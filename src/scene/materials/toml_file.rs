@@ -1,6 +1,7 @@
 //! Materials from a file. In: `materials.toml`. Out: checked materials by name, used or not.
 
 use crate::materials::select::class_of_name;
+use heliotile_core::text::Message;
 use std::ops::Range;
 use std::path::Path;
 
@@ -39,7 +40,7 @@ pub(crate) fn parse_toml(text: &str, file: &Path) -> Result<(MaterialTable, Opti
     let reader = Reader { text, file };
     let document = DeTable::parse(text).map_err(|error| {
         let hint = "write one table per material, names with blanks or dots in quotes: [\"flat roof\"]";
-        reader.error(error.span().unwrap_or(0..0), error.message(), hint)
+        reader.error(error.span().unwrap_or(0..0), error.message().to_owned(), hint)
     })?;
     let mut entries: Vec<_> = document.get_ref().iter().collect();
     entries.sort_by_key(|(name, _)| name.span().start);
@@ -60,7 +61,7 @@ struct Reader<'t> {
 }
 
 impl Reader<'_> {
-    fn error(&self, span: Range<usize>, what: impl Into<String>, hint: impl Into<String>) -> Error {
+    fn error(&self, span: Range<usize>, what: impl Into<Message>, hint: impl Into<Message>) -> Error {
         Error::input(self.file, line_of_offset(self.text.as_bytes(), span.start), what, hint)
     }
 

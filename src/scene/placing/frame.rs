@@ -2,7 +2,7 @@
 //! or the table `[site]` of a `site.toml`. Out: numbers in range, and systems that can place
 //! coordinates.
 
-use heliotile_requests::{Parse, Request};
+use heliotile_requests::{Parse, Request, Wrong};
 use serde::{Deserialize, Serialize};
 
 use heliotile_core::named::NamedValues;
@@ -181,16 +181,16 @@ pub fn parse_crs(text: &str) -> Result<u32, String> {
     check_epsg(number)
 }
 
-fn parse_rotation(text: &str) -> Result<f64, String> {
-    check_rotation(f64::parse(text)?)
+fn parse_rotation(text: &str) -> Result<f64, Wrong> {
+    Ok(check_rotation(f64::parse(text)?)?)
 }
 
-fn parse_elevation(text: &str) -> Result<f64, String> {
-    check_elevation(f64::parse(text)?)
+fn parse_elevation(text: &str) -> Result<f64, Wrong> {
+    Ok(check_elevation(f64::parse(text)?)?)
 }
 
-fn parse_scale(text: &str) -> Result<f64, String> {
-    check_scale(f64::parse(text)?)
+fn parse_scale(text: &str) -> Result<f64, Wrong> {
+    Ok(check_scale(f64::parse(text)?)?)
 }
 
 fn parse_up(text: &str) -> Result<UpAxis, String> {

@@ -6,6 +6,7 @@
 //! factors of 39 (inches) to 1000 (millimetres) or 100,000 (degrees); wrong systems are hundreds of
 //! kilometres.
 
+use heliotile_core::text::{Message, message};
 use std::path::Path;
 
 use glam::{DVec2, DVec3};
@@ -75,7 +76,7 @@ pub(crate) fn doubts(extents: &[Extent], report: &mut LoadReport) -> Result<()> 
 }
 
 /// Returns a warning about geometry whose unit is not the metre.
-fn unit(extents: &[Extent]) -> Option<String> {
+fn unit(extents: &[Extent]) -> Option<Message> {
     let solid = || extents.iter().filter(|extent| !extent.raster);
     let (low, high) = bounds(solid().flat_map(|extent| extent.bounds));
     let first = solid().next()?;
@@ -91,7 +92,7 @@ fn unit(extents: &[Extent]) -> Option<String> {
             "{file}: x and y look like degrees ({:.4} {:.4}, {wide:.4} wide and {high:.1} high), but scenes are in metres: reproject the \
              file, for instance to UTM",
             low.x, low.y
-        ));
+        ).into());
     }
     let most = if several { TALLEST_BUILDING_M } else { TALLEST_WALLS_M };
     let tall = solid().find_map(|extent| Some((extent, extent.walls.median_m().filter(|tall| *tall > most)?)));
@@ -100,16 +101,17 @@ fn unit(extents: &[Extent]) -> Option<String> {
             return Some(raised_hint(extent, tall));
         }
         let (unit, scale) = if tall > MILLIMETRES_FROM { ("millimetres", 0.001) } else { ("centimetres", 0.01) };
-        let give = if several { "scale = ".to_owned() } else { "{scale} ".to_owned() };
+        let give = if several { "scale = " } else { "{scale} " };
         let whose = if several { " in its [[scene]] of a site.toml" } else { "" };
-        return Some(format!(
-            "{}: walls are about {tall:.0} m high{}, {:.1} m if the file is in {unit}: then give {give}{}{whose} ({} for inches)",
-            extent.file.display(),
-            told(extent),
-            tall * scale,
-            scale * extent.scale,
-            0.0254 * extent.scale
-        ));
+        let (file, told) = (extent.file.display(), told(extent));
+        return Some(
+            message!(
+                "{file}: walls are about {tall:.0} m high{told}, {:.1} m if the file is in {unit}: then give ",
+                tall * scale
+            )
+            .and(give)
+            .and(format!("{}{whose} ({} for inches)", scale * extent.scale, 0.0254 * extent.scale)),
+        );
     }
     let wide_walls = |extent: &&Extent| {
         let sizes = extent.walls.median_m().zip(extent.walls.median_width_m());
@@ -120,24 +122,25 @@ fn unit(extents: &[Extent]) -> Option<String> {
         if extent.is_raised {
             return Some(raised_hint(extent, tall));
         }
-        return Some(format!(
-            "{}: walls are about {tall:.0} m high and even wider{}: if the file is in centimetres, give {}{}{}",
-            extent.file.display(),
-            told(extent),
-            if several { "scale = " } else { "{scale} " },
-            0.01 * extent.scale,
-            if several { " in its [[scene]] of a site.toml" } else { "" }
-        ));
+        let (file, told) = (extent.file.display(), told(extent));
+        return Some(
+            message!(
+                "{file}: walls are about {tall:.0} m high and even wider{told}: if the file is in centimetres, give "
+            )
+            .and(if several { "scale = " } else { "{scale} " })
+            .and(format!("{}", 0.01 * extent.scale))
+            .and(if several { " in its [[scene]] of a site.toml" } else { "" }),
+        );
     }
     let told = told(first);
     if high > TALLEST_M && high > STEEPEST * wide {
-        return Some(format!(
+        return Some(message!(
             "{file}: the geometry is {high:.0} m high and {wide:.0} m wide{told}: if the file is in millimetres give {{scale}} {}",
             0.001 * first.scale
         ));
     }
     (size.max_element() < SMALLEST_M).then(|| {
-        format!(
+        message!(
             "{file}: the geometry is {:.4} m wide and {high:.4} m high{told}: if the file is in kilometres give {{scale}} {}, or leave the \
              scale out",
             wide,
@@ -148,8 +151,8 @@ fn unit(extents: &[Extent]) -> Option<String> {
 
 /// Returns the warning about walls that no building of a column of heights has. A scale would
 /// shrink the plan, too.
-fn raised_hint(extent: &Extent, tall_m: f64) -> String {
-    format!(
+fn raised_hint(extent: &Extent, tall_m: f64) -> Message {
+    message!(
         "{}: walls are about {tall_m:.0} m high: if the column holds heights of roofs above the sea, give {{height_above}} sea, and the \
          ground as terrain or as {{base}} COLUMN; if it holds centimetres, give {{height}} COLUMN[cm]",
         extent.file.display()
@@ -206,7 +209,7 @@ fn far_parts(extents: &[Extent], report: &mut LoadReport) -> Result<()> {
         if apart_m > OUT_OF_SIGHT_M {
             return Err(Error::input(&b.file, None, format!("{what}, out of sight of it"), hint));
         }
-        report.warnings.push(format!("{} {what}, with nothing between them: {hint}", b.file.display()));
+        report.warnings.push(format!("{} {what}, with nothing between them: {hint}", b.file.display()).into());
     }
     Ok(())
 }
@@ -232,7 +235,7 @@ fn hint_of(a: &Extent, b: &Extent) -> String {
 
 /// Returns a warning about geometry that lies wholly below or far above the raster that it stands
 /// on.
-fn above_or_below(extents: &[Extent]) -> Option<String> {
+fn above_or_below(extents: &[Extent]) -> Option<Message> {
     extents.iter().filter(|raster| raster.raster).find_map(|raster| {
         let [lowest, highest] = raster.bounds;
         let inside = |extent: &&Extent| {
@@ -247,7 +250,7 @@ fn above_or_below(extents: &[Extent]) -> Option<String> {
                 _ if low.z > highest.z + FLOATING_M => (highest.z, "above the highest"),
                 _ => return None,
             };
-            Some(format!(
+            Some(message!(
                 "{} ({:.0} to {:.0} m high) lies wholly {words} point of {} ({lifts:.0} m): if its heights are not above sea level, give \
                  the height of its z = 0 with {{elevation}}, or elevation_m in site.toml",
                 extent.file.display(),
@@ -272,10 +275,10 @@ fn near_bounds(scene: &Scene) -> Option<[DVec3; 2]> {
 
 /// Returns a warning about objects of a file that lie far from a scene to which they are added;
 /// both are given by their least and greatest corners.
-pub fn far_objects(file: &Path, objects: [DVec3; 2], scene: [DVec3; 2]) -> Option<String> {
+pub fn far_objects(file: &Path, objects: [DVec3; 2], scene: [DVec3; 2]) -> Option<Message> {
     let apart_m = gap(objects, scene);
     (apart_m > FAR_PART_M).then(|| {
-        format!(
+        message!(
             "{} lies {:.0} km from the scene, with nothing between them: give it coordinates of the scene, or {{up}} y \
              if y points up in it",
             file.display(),
@@ -286,7 +289,7 @@ pub fn far_objects(file: &Path, objects: [DVec3; 2], scene: [DVec3; 2]) -> Optio
 
 /// Returns a warning about receivers that lie far from all geometry: `low` and `high` bound all
 /// `count` of them, and one is the farthest.
-pub fn far_receivers(scene: &Scene, [low, high]: [DVec3; 2], farthest: &Receiver, count: usize) -> Option<String> {
+pub fn far_receivers(scene: &Scene, [low, high]: [DVec3; 2], farthest: &Receiver, count: usize) -> Option<Message> {
     let box_of = near_bounds(scene)?;
     let at = farthest.position;
     let apart_m = gap(box_of, [at; 2]);
@@ -317,5 +320,5 @@ pub fn far_receivers(scene: &Scene, [low, high]: [DVec3; 2], farthest: &Receiver
         from.y,
         to.x,
         to.y
-    ))
+    ).into())
 }

@@ -2,6 +2,7 @@
 //! north, and warnings about contradictions.
 
 use glam::DVec3;
+use heliotile_core::text::{Message, message};
 
 use crate::LoadReport;
 use crate::mesh::bounds;
@@ -34,7 +35,7 @@ pub(crate) fn place_of(extents: &[Extent], frame: &SiteFrame, report: &mut LoadR
             report.warnings.push(format!(
                 "the stated latitude {latitude_deg:.4} and longitude {longitude_deg:.4} are {apart_km:.0} km from the place of the \
                  coordinates ({other}); the stated place is used, with y to true north"
-            ));
+            ).into());
         }
         // A system knows more than a stated point: the direction of north, and the place of the
         // middle.
@@ -51,7 +52,7 @@ pub(crate) fn place_of(extents: &[Extent], frame: &SiteFrame, report: &mut LoadR
         // Angles beyond 180 degrees are brought into -180..180; others stay exact.
         place.convergence_deg = if y_deg.abs() > 180.0 { (y_deg + 180.0).rem_euclid(360.0) - 180.0 } else { y_deg };
     }
-    report.notes.extend(place.and_then(|place| place.note()));
+    report.notes.extend(place.and_then(|place| place.note()).into_iter().map(Message::from));
     Ok(place)
 }
 
@@ -73,14 +74,14 @@ fn of_system(extents: &[Extent], system: Reference, report: &mut LoadReport) -> 
         let more = others.count();
         let files = if more == 0 { String::new() } else { format!(" (and {more} files more)") };
         let file = extent.file.display();
-        report.warnings.push(format!("{file} states {other}{files}, but the requested {system} is used"));
+        report.warnings.push(format!("{file} states {other}{files}, but the requested {system} is used").into());
     }
     let Some(first) = of_system().find(|extent| !extent.raster).or_else(|| of_system().next()) else {
         if let Some(place) = of_files(extents, report) {
             report.warnings.push(format!(
                 "the coordinates are metres, but the unit of {system} is {:.7} m: the place of the files is used ({place})",
                 system.unit_m()
-            ));
+            ).into());
             return Ok(place);
         }
         let what = format!("the coordinates are metres, but the unit of {system} is {:.7} m", system.unit_m());
@@ -113,7 +114,7 @@ fn of_files(extents: &[Extent], report: &mut LoadReport) -> Option<Place> {
             && !own.is_same(&stated)
         {
             let file = extent.file.display();
-            report.warnings.push(format!("{file} states {own}, but the requested {stated} is used"));
+            report.warnings.push(format!("{file} states {own}, but the requested {stated} is used").into());
         }
     }
     let known = || extents.iter().filter_map(|extent| Some((extent, extent.reference()?)));
@@ -123,7 +124,7 @@ fn of_files(extents: &[Extent], report: &mut LoadReport) -> Option<Place> {
         report.warnings.push(format!(
             "{first_file} is in {reference}, but {} is in {other}; coordinates are not converted, and those of the first file give the place",
             extent.file.display()
-        ));
+        ).into());
     }
     let united = known().filter(|(_, other)| other.is_same(&reference)).map(|(e, _)| (e, e.in_system(reference)));
     let at = middle(united);
@@ -133,7 +134,7 @@ fn of_files(extents: &[Extent], report: &mut LoadReport) -> Option<Place> {
             Some(place)
         }
         Err(_) => {
-            report.warnings.push(format!(
+            report.warnings.push(message!(
                 "{first_file}: the place of {reference} is not known, so y is taken for north and the place of weather is not checked: \
                  give {{crs}} with a system in metres, or {{latitude}} and {{longitude}}"
             ));
@@ -144,14 +145,14 @@ fn of_files(extents: &[Extent], report: &mut LoadReport) -> Option<Place> {
 
 /// Returns a warning if lengths of the scene differ from those on the ground: `unit` is the metres
 /// of the scene for a unit of the system, `length` those on the ground.
-fn stretched(system: Reference, unit: f64, length: f64, place: &Place) -> Option<String> {
+fn stretched(system: Reference, unit: f64, length: f64, place: &Place) -> Option<Message> {
     let metres = length / unit;
     if (metres - 1.0).abs() <= STRETCH {
         return None;
     }
     let foot = system.unit_m();
     if foot != 1.0 && unit == 1.0 {
-        return Some(format!(
+        return Some(message!(
             "coordinates of {system} are in units of {foot:.7} m, but scenes are read in metres: give {{scale}} {foot:.7} (in site.toml \
              scale = {foot:.7})"
         ));
@@ -163,5 +164,5 @@ fn stretched(system: Reference, unit: f64, length: f64, place: &Place) -> Option
         "a metre of {system} is {metres:.3} m on the ground at {:.2} {:.2}, so areas do not match heights: reproject the files, for \
          instance to EPSG:{utm}",
         place.latitude_deg, place.longitude_deg
-    ))
+    ).into())
 }

@@ -5,6 +5,7 @@
 //! look to all sides. So the sloping faces of a model with y up look towards y together, and
 //! towards z as much as against it.
 
+use heliotile_core::text::{Message, message};
 use std::path::Path;
 
 use glam::DVec3;
@@ -51,10 +52,12 @@ pub(crate) fn y_up_warning(
     file: &Path,
     triangles: impl Iterator<Item = [DVec3; 3]> + Clone,
     header: Option<HeaderUp>,
-) -> Option<String> {
+) -> Option<Message> {
     let sign = sign_of_y_up(triangles, header)?;
-    let advice = "but z is taken for up; if y points up, give {up} y; {up} z keeps it as it is";
-    Some(format!("{}: {sign}, {advice}", file.display()))
+    Some(message!(
+        "{}: {sign}, but z is taken for up; if y points up, give {{up}} y; {{up}} z keeps it as it is",
+        file.display()
+    ))
 }
 
 /// Returns why y seems to point up in a mesh; `None` if z may.

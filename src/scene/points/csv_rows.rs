@@ -1,6 +1,7 @@
 //! Rows of a CSV file. In: the file, piece by piece. Out: its records with the line that each
 //! begins in, and errors that name file, line and column.
 
+use heliotile_core::text::Message;
 use std::io::{self, Read};
 use std::path::Path;
 
@@ -63,17 +64,24 @@ impl<'a> CsvRows<'a> {
         self.record.get(place).unwrap_or_default()
     }
 
-    pub(crate) fn error(&self, what: impl Into<String>, hint: impl Into<String>) -> Error {
+    pub(crate) fn error(&self, what: impl Into<Message>, hint: impl Into<Message>) -> Error {
         Error::input(self.file, self.line, what, hint)
     }
 
-    pub(crate) fn cell_error(&self, column: &str, text: &str, why: &str, hint: &str) -> Error {
+    pub(crate) fn cell_error(&self, column: &str, text: &str, why: &str, hint: impl Into<Message>) -> Error {
         cell_error(self.file, self.line, column, text, why, hint)
     }
 }
 
 /// Returns the error for one cell.
-pub(crate) fn cell_error(file: &Path, line: usize, column: &str, text: &str, why: &str, hint: &str) -> Error {
+pub(crate) fn cell_error(
+    file: &Path,
+    line: usize,
+    column: &str,
+    text: &str,
+    why: &str,
+    hint: impl Into<Message>,
+) -> Error {
     Error::input(file, line, format!("column `{column}` is `{}`, {why}", excerpt(text.as_bytes())), hint)
 }
 

@@ -3,8 +3,8 @@
 
 use super::csv_rows::CsvRows;
 use crate::text::excerpt;
-use heliotile_core::error::{Error, Result};
-use heliotile_core::text::{separator_hint, with_list};
+use heliotile_core::error::{Error, Problem, Result};
+use heliotile_core::text::{Message, separator_hint, with_list};
 
 /// Names that a column may have; messages use the first one.
 pub(super) type Names = &'static [&'static str];
@@ -28,7 +28,7 @@ pub(super) struct Header<'h> {
 }
 
 /// Reads the header. Fails if the file is empty; `hint` describes the columns.
-pub(super) fn advance_to_header(rows: &mut CsvRows, hint: &str) -> Result<()> {
+pub(super) fn advance_to_header(rows: &mut CsvRows, hint: &'static str) -> Result<()> {
     match rows.advance()? {
         true => Ok(()),
         false => Err(Error::input(rows.file, None, "the file is empty", hint)),
@@ -68,7 +68,12 @@ impl<'h> Header<'h> {
     /// Returns the column with one of the names. Its absence is an error.
     pub fn needed(&mut self, names: Names) -> Result<Found> {
         let found = self.find(names)?;
-        found.ok_or_else(|| self.missing(&format!("column `{}` is missing", names.first().unwrap_or(&""))))
+        found.ok_or_else(|| self.lacks(names.first().unwrap_or(&"")))
+    }
+
+    /// Returns the error for a missing column.
+    pub fn lacks(&self, column: &str) -> Error {
+        self.missing(&format!("column `{column}` is missing")).because(Problem::no_column(column))
     }
 
     /// Returns the error for what is missing.
@@ -79,14 +84,14 @@ impl<'h> Header<'h> {
     }
 
     /// Returns a warning about the columns that were not asked for; `None` if there are none.
-    pub fn unused(&self) -> Option<String> {
+    pub fn unused(&self) -> Option<Message> {
         let names = self.rows.record.iter().zip(&self.used).filter(|(_, used)| !**used);
         let names: Vec<String> = names.map(|(name, _)| format!("`{}`", excerpt(name.as_bytes()))).collect();
         let file = self.rows.file.display();
         match names.as_slice() {
             [] => None,
-            [only] => Some(format!("{file}: column {only} is not used")),
-            all => Some(with_list(&format!("{file}: {} columns are not used", all.len()), names)),
+            [only] => Some(format!("{file}: column {only} is not used").into()),
+            all => Some(with_list(format!("{file}: {} columns are not used", all.len()), names)),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Points where modules or people may be. In: a table of points. Out: checked points, each with the
 //! line that it comes from.
 
+use heliotile_core::text::Message;
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -36,7 +37,7 @@ const MAX_NAME: usize = 100;
 
 /// Reads points from columns `point,x,y`, one of `z` and `height`, and `tilt_deg,azimuth_deg` or
 /// `nx,ny,nz`, in any order. Fails without a row. `warnings` gets the columns that are ignored.
-pub fn read_points(path: &Path, defaults: PointDefaults, warnings: &mut Vec<String>) -> Result<Vec<PlacePoint>> {
+pub fn read_points(path: &Path, defaults: PointDefaults, warnings: &mut Vec<Message>) -> Result<Vec<PlacePoint>> {
     let mut rows = CsvRows::open(path)?;
     advance_to_header(&mut rows, HINT)?;
     let mut header = Header::of(&rows, HINT);

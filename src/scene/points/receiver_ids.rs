@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use super::csv_rows::CsvRows;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 
 /// Column that is read; all others are ignored.
 const COLUMN: &str = "receiver";
@@ -25,7 +25,7 @@ impl<'a> ReceiverIds<'a> {
         }
         match rows.record.iter().position(|name| name == COLUMN) {
             Some(column) => Ok(ReceiverIds { rows, column }),
-            None => Err(rows.error(format!("column `{COLUMN}` is missing"), hint)),
+            None => Err(rows.error(format!("column `{COLUMN}` is missing"), hint).because(Problem::no_column(COLUMN))),
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Receivers from a file. In: `receivers.csv`. Out: checked receivers, in the order of the rows.
 
+use heliotile_core::text::Message;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::path::Path;
@@ -10,7 +11,7 @@ use super::csv_rows::{CsvRows, cell_error};
 use super::header::{Found, Header, Names, advance_to_header};
 use super::rows::{ONE_DIRECTION, PointColumns, PointDefaults, PointHeight, check_length, number};
 use crate::text::excerpt;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::site::north::North;
 use heliotile_core::site::receiver::Receiver;
@@ -70,7 +71,7 @@ pub fn read_receivers(path: &Path, north: North) -> Result<Vec<Receiver>> {
 }
 
 /// Reads receivers as [`read_receivers`] does and adds a warning about the columns that it ignores.
-pub fn read_receivers_with_warnings(path: &Path, north: North, warnings: &mut Vec<String>) -> Result<Vec<Receiver>> {
+pub fn read_receivers_with_warnings(path: &Path, north: North, warnings: &mut Vec<Message>) -> Result<Vec<Receiver>> {
     collect(ReceiverRows::open(path, north, warnings)?)
 }
 
@@ -121,7 +122,7 @@ struct Columns {
 impl<'a> ReceiverRows<'a> {
     /// Opens the table and reads its header. A missing column is an error, an unknown column a
     /// warning. Azimuths count from `north`.
-    pub fn open(table: impl Into<ReceiverCsv<'a>>, north: North, warnings: &mut Vec<String>) -> Result<Self> {
+    pub fn open(table: impl Into<ReceiverCsv<'a>>, north: North, warnings: &mut Vec<Message>) -> Result<Self> {
         let rows = match table.into() {
             ReceiverCsv::File(file) => CsvRows::open(file)?,
             ReceiverCsv::Text { name, text } => CsvRows::new(Box::new(text), name)?,
@@ -129,7 +130,7 @@ impl<'a> ReceiverRows<'a> {
         ReceiverRows::new(rows, north, warnings)
     }
 
-    fn new(mut rows: CsvRows<'a>, north: North, warnings: &mut Vec<String>) -> Result<Self> {
+    fn new(mut rows: CsvRows<'a>, north: North, warnings: &mut Vec<Message>) -> Result<Self> {
         advance_to_header(&mut rows, HINT)?;
         let mut header = Header::of(&rows, HINT);
         let columns = Columns::find(&mut header)?;
@@ -189,7 +190,7 @@ impl<'a> ReceiverRows<'a> {
     fn surface_below(&self, name: &str, [x, y]: [f64; 2]) -> Result<f64> {
         let Some(surface) = self.surface else {
             let what = "column `z` is missing, and heights above a surface need a scene";
-            return Err(self.rows.error(what, "give z, the coordinate"));
+            return Err(self.rows.error(what, "give z, the coordinate").because(Problem::no_column("z")));
         };
         surface(x, y)?.ok_or_else(|| {
             let name = excerpt(name.as_bytes());
@@ -239,7 +240,10 @@ mod tests {
         let dribble = std::iter::from_fn(move || bytes.split_off_first());
         let mut warnings = Vec::new();
         let rows = CsvRows::new(Box::new(Dribble(dribble)), Path::new("receivers.csv"))?;
-        Ok((collect(ReceiverRows::new(rows, North::default(), &mut warnings)?)?, warnings))
+        Ok((
+            collect(ReceiverRows::new(rows, North::default(), &mut warnings)?)?,
+            warnings.iter().map(|said| said.plain()).collect(),
+        ))
     }
 
     struct Dribble<I>(I);

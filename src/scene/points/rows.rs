@@ -7,7 +7,7 @@ use super::csv_rows::CsvRows;
 use super::header::{Found, Header, Names};
 use crate::coordinate::MAX_COORDINATE_M;
 use crate::text::excerpt;
-use heliotile_core::error::Result;
+use heliotile_core::error::{Problem, Result};
 use heliotile_core::orientation::fan::Orientation;
 use heliotile_core::site::north::North;
 use heliotile_core::site::receiver::MAX_NAME_BYTES;
@@ -110,8 +110,7 @@ fn all_or_none<const N: usize>(header: &mut Header, names: [Names; N]) -> Result
     }
     let mut all = [Found { place: 0, name: "" }; N];
     for ((slot, found), names) in all.iter_mut().zip(found).zip(names) {
-        *slot =
-            found.ok_or_else(|| header.missing(&format!("column `{}` is missing", names.first().unwrap_or(&""))))?;
+        *slot = found.ok_or_else(|| header.lacks(names.first().unwrap_or(&"")))?;
     }
     Ok(Some(all))
 }
@@ -127,11 +126,12 @@ impl PointColumns {
         let place = [header.needed(X)?, header.needed(Y)?];
         let (z, height) = (header.find(Z)?, header.find(HEIGHT)?);
         if z.is_none() && height.is_none() && defaults.height_m.is_none() {
-            return Err(header.missing("column `z` is missing"));
+            return Err(header.lacks("z"));
         }
         let (normal, angles) = (all_or_none(header, NORMAL)?, all_or_none(header, [TILT, AZIMUTH])?);
         if defaults.needs_turns && normal.is_none() && angles.is_none() {
-            return Err(header.missing("columns `tilt_deg` and `azimuth_deg`, or `nx`, `ny` and `nz`, are missing"));
+            let what = "columns `tilt_deg` and `azimuth_deg`, or `nx`, `ny` and `nz`, are missing";
+            return Err(header.missing(what).because(Problem::no_column("tilt_deg")));
         }
         Ok(PointColumns { name, place, z, height, normal, angles, defaults, count: header.count() })
     }
@@ -148,7 +148,7 @@ impl PointColumns {
         let name = rows.cell(self.name.place);
         if name.is_empty() {
             let hint = format!("give every {} a name", self.name.name);
-            return Err(rows.cell_error(self.name.name, name, "an empty name", &hint));
+            return Err(rows.cell_error(self.name.name, name, "an empty name", hint));
         }
         check_length(rows, self.name.name, name)?;
         let [x, y] = self.place.map(|column| coordinate(rows, column));
@@ -230,7 +230,7 @@ fn normal(rows: &CsvRows, columns: [Found; 3]) -> Result<DVec3> {
 }
 
 fn turn(rows: &CsvRows, [tilt, azimuth]: [Found; 2]) -> Result<Orientation> {
-    let within = |column: Found, [least, most]: [f64; 2], hint: &str| match number(rows, column)? {
+    let within = |column: Found, [least, most]: [f64; 2], hint: &'static str| match number(rows, column)? {
         angle if (least..=most).contains(&angle) => Ok(angle),
         _ => {
             let why = format!("not from {least} to {most}");

@@ -111,7 +111,7 @@ pub fn read_rows(path: &Path) -> Result<Vec<RowsOfModules>> {
     let text = String::from_utf8_lossy(&bytes);
     let document: Document = toml::from_str(&text).map_err(|error| {
         let line = error.span().map(|span| line_of_offset(text.as_bytes(), span.start));
-        Error::input(path, line, error.message(), KEYS)
+        Error::input(path, line, error.message().to_owned(), KEYS)
     })?;
     let mut all: Vec<RowsOfModules> = Vec::new();
     for entry in document.rows {

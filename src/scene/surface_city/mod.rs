@@ -58,7 +58,7 @@ use crate::geometry::Geometry;
 use crate::surface_rasters::{LEAST_STEP_M, SurfaceRasters};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::scene_object::ObjectNote;
-use heliotile_core::text::counted;
+use heliotile_core::text::{Message, counted};
 
 /// Share of the movement of a line's corners by which corners of ground beside the line move.
 const GIVES_WAY: f64 = 0.5;
@@ -148,22 +148,25 @@ pub(crate) fn city(dsm: &Layer, with: &Companions, options: &SurfaceRasters) -> 
         counted(crowns as u64, "crown"),
     );
     let mut geometry = writer.geometry;
-    geometry.warnings.extend(closed_voids(dsm.file, standing.closed));
+    geometry.warnings.extend(closed_voids(dsm.file, standing.closed).into_iter().map(Message::from));
     if roofs.have_stairs(layers.quantum_m) {
         geometry.warnings.push(format!(
             "{}: heights are whole numbers, in steps of {:.2} m; roofs are planes through the stairs that this makes of slopes, and \
              edges and low roofs may be off by half a step",
             dsm.file.display(),
             layers.quantum_m
-        ));
+        ).into());
     }
     if drawn.kept > 0 {
-        geometry.warnings.push(format!(
-            "{}: {} of {} lines between roofs and ground stay along cells: drawn straight they would cross others",
-            dsm.file.display(),
-            drawn.kept,
-            chains.len()
-        ));
+        geometry.warnings.push(
+            format!(
+                "{}: {} of {} lines between roofs and ground stay along cells: drawn straight they would cross others",
+                dsm.file.display(),
+                drawn.kept,
+                chains.len()
+            )
+            .into(),
+        );
     }
     Ok(City { geometry, note })
 }

@@ -2,6 +2,7 @@
 //! read, and its companions, not yet read. Out: the city in its place, and terrain where the raster
 //! of the ground goes on beyond it.
 
+use heliotile_core::text::Message;
 use std::path::Path;
 
 use glam::{DVec2, DVec3};
@@ -108,7 +109,7 @@ fn around<'a>(dsm: Layer<'a>, within: &RegionPart) -> Result<Layer<'a>> {
 struct Rasters<'a> {
     dsm: Layer<'a>,
     with: Companions<'a>,
-    warnings: Vec<String>,
+    warnings: Vec<Message>,
 }
 
 /// Reads the companions of a raster of surface heights and brings all to their places.

@@ -388,7 +388,7 @@ fn a_street_is_read() {
     let names: Vec<&str> = scene.materials.iter().map(|material| material.name.as_str()).collect();
     assert_eq!(names, ["RoofSurface", "WallSurface", "canopy", "grass", "paved"]);
     let of = |kind: &str| soup.object_names.iter().filter(|name| name.starts_with(kind)).count();
-    let black = |warnings: &[String]| warnings.iter().filter(|text| text.contains("`canopy` are black")).count();
+    let black = |warnings: &[Message]| warnings.iter().filter(|text| text.contains("`canopy` are black")).count();
     assert_eq!(black(&scene.report.warnings), 1, "{:?}", scene.report.warnings);
     assert_eq!([of("building_"), of("trees_")], [4, 2], "{:?} {:?}", soup.object_names, scene.report.notes);
     let surfaces = crate::covering::surfaces::Surfaces::find(&soup, &scene.materials);

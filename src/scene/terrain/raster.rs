@@ -1,6 +1,7 @@
 //! Heights on a grid. In: samples of a file, and its statements on nodata and units. Out: metres,
 //! with NaN for nodata; no other number that is not finite, and none beyond the Earth's heights.
 
+use heliotile_core::text::{Message, message};
 use std::ops::Range;
 use std::path::Path;
 
@@ -71,7 +72,7 @@ pub(crate) struct Raster {
     pub quantum_m: f64,
     /// True if the raster was joined from several files, which need not fill the grid.
     pub(super) is_joined: bool,
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Message>,
 }
 
 /// Factors of a raster's plane coordinates and of its heights.
@@ -103,7 +104,7 @@ pub(crate) fn check_size(file: &Path, columns: u64, rows: u64) -> Result<usize> 
     match columns.checked_mul(rows) {
         Some(samples) if samples <= MAX_SAMPLES => Ok(samples as usize),
         samples => Err(Error::Limit {
-            what: format!("the number of samples of {} ({columns} x {rows})", file.display()),
+            what: format!("the number of samples of {} ({columns} x {rows})", file.display()).into(),
             value: samples.unwrap_or(u64::MAX),
             max: MAX_SAMPLES,
         }),
@@ -118,7 +119,7 @@ impl Raster {
         grid: Grid,
         mut heights: Vec<f32>,
         meaning: &Meaning,
-        mut warnings: Vec<String>,
+        mut warnings: Vec<Message>,
     ) -> Result<Raster> {
         let samples = check_size(file, grid.columns as u64, grid.rows as u64)?;
         if heights.len() != samples {
@@ -280,15 +281,18 @@ impl Raster {
         let plane = scale.filter(|_| !own).unwrap_or(1.0);
         if plane != 1.0 {
             self.plane_unit_m = Some(plane);
-            self.warnings.push(format!(
-                "{file}: names no coordinate system; it is read in the scene's system, in units of {plane:.7} m"
-            ));
+            self.warnings.push(
+                format!(
+                    "{file}: names no coordinate system; it is read in the scene's system, in units of {plane:.7} m"
+                )
+                .into(),
+            );
         }
         let height = scale.filter(|_| self.height_unit_m.is_none()).unwrap_or(1.0);
         if self.height_unit_m.is_none() && (own || scale.is_some()) {
             self.warnings.push(match scale {
-                Some(scale) => format!("{file}: states no unit of its heights; they are read in units of {scale:.7} m, the stated scale"),
-                None => format!(
+                Some(scale) => format!("{file}: states no unit of its heights; they are read in units of {scale:.7} m, the stated scale").into(),
+                None => message!(
                     "{file}: states no unit of its heights; they are read in metres: if they are feet like its coordinates, give \
                      {{scale}} {unit:.7}"
                 ),
@@ -399,22 +403,23 @@ impl Doubtful {
         f32::NAN
     }
 
-    fn warn(&self, file: &Path, warnings: &mut Vec<String>) {
+    fn warn(&self, file: &Path, warnings: &mut Vec<Message>) {
         let file = file.display();
         if self.infinite > 0 {
-            warnings.push(format!("{file}: {} samples are infinite and taken as nodata", self.infinite));
+            warnings.push(format!("{file}: {} samples are infinite and taken as nodata", self.infinite).into());
         }
         if self.usual.0 > 0 {
             let (count, value) = self.usual;
-            warnings
-                .push(format!("{file}: {count} samples of {value} are taken as nodata, though the file declares none"));
+            warnings.push(
+                format!("{file}: {count} samples of {value} are taken as nodata, though the file declares none").into(),
+            );
         }
         if self.beyond.0 > 0 {
             let (count, first) = self.beyond;
             let [low, high] = EARTH_M;
             warnings.push(format!(
                 "{file}: {count} samples are beyond the Earth's heights ({low} to {high} m; the first is {first}) and taken as nodata"
-            ));
+            ).into());
         }
     }
 }

@@ -81,8 +81,8 @@ fn terrain_keeps_the_corners_of_a_house() {
         assert!(nearest < 1e-4, "{corner}: {nearest} m");
     }
     let [note] = scene.report.notes.as_slice() else { panic!("{:?}", scene.report.notes) };
-    assert!(note.contains("(limit 0.2)") && note.contains("46.8 km") && note.contains("refraction 0.13"), "{note}");
-    assert!(mesh.triangles.len() < 2 * 79 * 59, "{note}");
+    assert!(note.contains("(limit 0.2)") && note.contains("46.8 km") && note.contains("refraction 0.13"), "{note:?}");
+    assert!(mesh.triangles.len() < 2 * 79 * 59, "{note:?}");
     // The sample in the north-east, (439,750, 5,029,750), is column 79 of row 0.
     let far = mesh
         .vertices

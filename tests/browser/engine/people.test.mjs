@@ -120,7 +120,7 @@ test("air by numbers is taken below a clear and an overcast sky, and what is mis
   await assert.rejects(ask(sun, { ...clear, humidity: 0 }), /humidity is 0/);
   await assert.rejects(ask(sun, { kind: "weather", hour: 3 }), /weather/);
   const dry = "time,ghi,dni,dhi,temp_air,wind_speed,longwave_down\n2019-07-01T12:00,800,700,100,25,2,350\n2019-07-01T13:00,800,700,100,25,2,350\n";
-  await tasks.loadWeather("dry.csv", memoryOf(Buffer.from(dry)), { timeZone: "-7" });
+  await tasks.loadWeather("dry.csv", memoryOf(Buffer.from(dry)), { time_zone: "-7" });
   await assert.rejects(ask(sun, { kind: "weather", hour: 0 }), /humidity is missing in the hour 2019-07-01T12:00/);
 });
 

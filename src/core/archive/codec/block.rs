@@ -78,11 +78,11 @@ impl Block {
             return Ok(());
         }
         Err(Error::Unsupported {
-            what: format!("{}: layout of block {}", self.path.display(), self.entry.name()),
+            what: format!("{}: layout of block {}", self.path.display(), self.entry.name()).into(),
             found: format!("schema id {}", self.entry.schema),
             supported: match known {
-                None => "no layout of this kind".to_string(),
-                Some(id) => format!("schema id {id}: build the archive again with this release"),
+                None => "no layout of this kind".into(),
+                Some(id) => format!("schema id {id}: build the archive again with this release").into(),
             },
         })
     }
@@ -133,9 +133,9 @@ fn decode_by(unpack: Unpack, path: &Arc<Path>, entry: &Entry, stored: &[u8]) -> 
         }
         other => {
             return Err(Error::Unsupported {
-                what: format!("{}: codec of block {}", path.display(), entry.name()),
+                what: format!("{}: codec of block {}", path.display(), entry.name()).into(),
                 found: other.to_string(),
-                supported: "0 (raw) and 1 (zstd)".to_string(),
+                supported: "0 (raw) and 1 (zstd)".into(),
             });
         }
     }

@@ -29,7 +29,7 @@ pub fn encode(
 ) -> Result<EncodedBlock> {
     let name = || format::block_name(kind, tile);
     let too_long = || Error::Limit {
-        what: format!("raw length of block {} in bytes (at least 1)", name()),
+        what: format!("raw length of block {} in bytes (at least 1)", name()).into(),
         value: raw.len() as u64,
         max: MAX_RAW as u64,
     };
@@ -37,9 +37,9 @@ pub fn encode(
         return Err(too_long());
     }
     let packed = compress(raw, level).map_err(|found| Error::Unsupported {
-        what: format!("compressing block {}", name()),
+        what: format!("compressing block {}", name()).into(),
         found,
-        supported: "zstd levels 1 to 22".to_string(),
+        supported: "zstd levels 1 to 22".into(),
     })?;
     let (codec, stored) = if packed.len() < raw.len() { (CODEC_ZSTD, packed) } else { (CODEC_RAW, raw.to_vec()) };
     let entry = Entry {

@@ -46,7 +46,7 @@ impl Flaw {
 
     /// Returns the error of a table that cannot be written.
     fn refuse(self, what: String) -> Error {
-        Error::Unsupported { what, found: self.got, supported: self.expected }
+        Error::Unsupported { what: what.into(), found: self.got, supported: self.expected.into() }
     }
 }
 

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Problem, Result};
 use crate::weather::time::calendar::Date;
 
 /// Column that is read, with the range of its values; further columns (a time, a note) are ignored.
@@ -78,7 +78,8 @@ fn parse(path: &Path, bytes: &[u8], column: Column) -> Result<Vec<f64>> {
     let header = reader.headers().map_err(broken)?;
     let Some(place) = header.iter().position(|cell| cell == name) else {
         let what = format!("column `{name}` is missing from the header");
-        return Err(Error::input(path, 1, what, format!("name the column of the values `{name}`")));
+        let hint = format!("name the column of the values `{name}`");
+        return Err(Error::input(path, 1, what, hint).because(Problem::no_column(name)));
     };
     let mut values = Vec::new();
     for record in reader.records() {

@@ -10,7 +10,7 @@
 use std::path::Path;
 
 use crate::error::{Error, Result};
-use crate::text::excerpt;
+use crate::text::{Message, excerpt};
 use crate::weather::air::{Air, dew_point_c};
 use crate::weather::formats::stamp_text::{clock_seconds, digits};
 use crate::weather::formats::stamped::{LegalDays, StampedRows, SteppedRows};
@@ -88,7 +88,7 @@ pub(super) fn read(path: &Path, bytes: &[u8], options: &WeatherOptions) -> Resul
         step_min,
         stamped_at,
         zenith_deg: Vec::new(),
-        warnings: warning.into_iter().collect(),
+        warnings: warning.into_iter().map(Message::from).collect(),
     })
 }
 

@@ -9,7 +9,7 @@
 
 use std::path::Path;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Problem, Result};
 use crate::text::excerpt;
 use crate::weather::air::Air;
 use crate::weather::formats::weather_csv::is_watts;
@@ -63,6 +63,7 @@ impl Columns {
             place(wanted).ok_or_else(|| {
                 let hint = "TMY3 names its columns `Date (MM/DD/YYYY),Time (HH:MM),...` in line 2";
                 Error::input(path, 2, format!("there is no column `{wanted}`"), hint)
+                    .because(Problem::no_column(wanted))
             })
         };
         // TMY3 holds W/m2; programs that write other units have other layouts.
@@ -165,7 +166,7 @@ fn site(path: &Path, line: &str) -> Result<Station> {
 
 fn row(path: &Path, line: usize, cells: &[&str], columns: &Columns, is_first: bool) -> Result<RawRow> {
     let cell = |place: usize| cells.get(place).copied().unwrap_or_default();
-    let bad = |name: &str, text: &str, hint: &str| {
+    let bad = |name: &str, text: &str, hint: &'static str| {
         Error::input(path, line, format!("column `{name}` holds `{}`", excerpt(text, 60)), hint)
     };
     let whole = |text: &str| text.parse::<u32>().ok();

@@ -10,7 +10,7 @@
 use std::path::Path;
 
 use crate::error::{Error, Result};
-use crate::text::excerpt;
+use crate::text::{Message, excerpt};
 use crate::weather::air::Air;
 use crate::weather::formats::stamp_text::clock_seconds;
 use crate::weather::formats::stamped::{StampedRows, SteppedRows};
@@ -69,7 +69,7 @@ pub(super) fn read(path: &Path, bytes: &[u8], options: &WeatherOptions) -> Resul
     let stamped_at = options.stamped_at.unwrap_or(StampedAt::Middle);
     let stamped = StampedRows { rows, seconds, stamped_at, day_of_start: true, late_min: 0.0, moved_s: 0, legal: None };
     let stepped: SteppedRows = stamped.stepped(path)?;
-    let warnings = stepped.warning.into_iter().chain([warning]).collect();
+    let warnings = stepped.warning.into_iter().chain([warning]).map(Message::from).collect();
     // A .wea file holds no air.
     let air = if options.with_air { vec![Air::default(); stepped.rows.len()] } else { Vec::new() };
     Ok(RawWeather {
@@ -99,7 +99,7 @@ fn take_tag(path: &Path, line: usize, words: &[&str], station: &mut Station) -> 
         "site_elevation" => station.elevation_m = number()?,
         "weather_data_file_units" if number()? != 1.0 => {
             return Err(Error::Unsupported {
-                what: format!("{}, line {line}: weather_data_file_units", path.display()),
+                what: format!("{}, line {line}: weather_data_file_units", path.display()).into(),
                 found: excerpt(value, 20),
                 supported: "1, DNI and DHI in W/m2".into(),
             });

@@ -1,5 +1,6 @@
 //! Checks of a weather file. In: rows from a reader. Out: [`Weather`] without gaps, with warnings.
 
+use crate::text::{Message, message};
 use std::path::Path;
 
 use rayon::prelude::*;
@@ -51,10 +52,10 @@ pub fn judged(path: &Path, raw: RawWeather, options: &WeatherOptions, scene: Sce
     let year = rows.first().map_or(Date::NO_YEAR, |row| row.interval.date.year);
     let (site, note) = station.location(path, options, year, scene)?;
     let mut report = WeatherReport::default();
-    report.warnings.extend(note);
+    report.warnings.extend(note.into_iter().map(Message::from));
     let by_zenith = place_by_zenith(&rows, &zenith_deg, &site, stamped_at);
     if let Some(at) = by_zenith {
-        warnings.push(format!(
+        warnings.push(message!(
             "{}: the column of the sun's zenith shows that time stamps are the {} of their intervals: they are read so; \
              {{weather_stamp}} states another place",
             path.display(),
@@ -67,8 +68,8 @@ pub fn judged(path: &Path, raw: RawWeather, options: &WeatherOptions, scene: Sce
         TimeShift::Auto => 0.0,
     };
     shift(&mut rows, moved_min + (stamped_at.share_before() - asked.share_before()) * step_min);
-    warnings.extend(drop_empty_columns(path, &mut rows, &site));
-    warnings.extend(drop_horizontal_dni(path, &mut rows, &site));
+    warnings.extend(drop_empty_columns(path, &mut rows, &site).into_iter().map(Message::from));
+    warnings.extend(drop_horizontal_dni(path, &mut rows, &site).into_iter().map(Message::from));
     let mut done = all_judged(&rows, &site);
     report.closure = closure(&site, &rows, &done);
     if let (TimeShift::Auto, Some(before)) = (options.shift, report.closure)
@@ -79,7 +80,7 @@ pub fn judged(path: &Path, raw: RawWeather, options: &WeatherOptions, scene: Sce
         done = all_judged(&rows, &site);
         report.closure = closure(&site, &rows, &done);
         let after = report.closure.map_or(before.best_rmse_w_m2, |closure| closure.rmse_w_m2);
-        report.warnings.push(format!(
+        report.warnings.push(message!(
             "{}: {{shift}} auto moves time stamps by {moved_min} min: GHI = DHI + DNI cos(z) then holds to \
              {after:.1} W/m2 RMSE, before to {:.1}",
             path.display(),
@@ -117,31 +118,34 @@ pub fn judged(path: &Path, raw: RawWeather, options: &WeatherOptions, scene: Sce
             "{}, line 1: longitude {longitude_deg} and time zone {zone_hours} are {:.1} h apart; east is positive in both",
             path.display(),
             ahead.abs()
-        ));
+        ).into());
     }
     if let Some(largest_w_m2) = faint_day(&done) {
         report.warnings.push(format!(
             "{}: the largest irradiance of all rows is {largest_w_m2:.2} W/m2: if the file holds kW/m2, name the unit in \
              its columns, as in `ghi (kW/m2)`",
             path.display()
-        ));
+        ).into());
     }
     for (line, sentence) in report.findings.sentences() {
-        report.warnings.push(format!("{}, line {line} and on: {sentence}", path.display()));
+        report.warnings.push(message!("{}, line {line} and on: ", path.display()).and(sentence));
     }
     match report.closure.and_then(|c| c.warning(&site, moved_min, station.zone_is_certain)) {
-        Some(sentence) => report.warnings.push(format!("{}: {sentence}", path.display())),
+        Some(sentence) => report.warnings.push(message!("{}: ", path.display()).and(sentence)),
         None => {
             let of_rows: Vec<&WeatherRow> = done.iter().map(|(row, _)| row).collect();
-            report.warnings.extend(month_warning(path, &rows, &of_rows));
+            report.warnings.extend(month_warning(path, &rows, &of_rows).into_iter().map(Message::from));
         }
     }
     let hours = rows.len() as f64 * step_min / 60.0;
     if hours < HOURS_OF_YEAR {
-        report.warnings.push(format!(
-            "{}: holds {hours:.0} of the {HOURS_OF_YEAR} hours of a year; yearly sums cover only these hours",
-            path.display()
-        ));
+        report.warnings.push(
+            format!(
+                "{}: holds {hours:.0} of the {HOURS_OF_YEAR} hours of a year; yearly sums cover only these hours",
+                path.display()
+            )
+            .into(),
+        );
     }
     report.warnings.extend(warnings);
     Ok(Weather {

@@ -2,6 +2,7 @@
 //! `None` for missing values.
 
 use crate::error::{Error, Result};
+use crate::text::Message;
 use crate::weather::air::Air;
 use crate::weather::judging::station::Station;
 use crate::weather::options::StampedAt;
@@ -34,7 +35,7 @@ pub struct RawWeather {
     /// if the place of stamps is known without it.
     pub zenith_deg: Vec<Option<f64>>,
     /// Warnings of the reader, each a sentence that names the file.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Message>,
 }
 
 /// A row of the file.

@@ -1,6 +1,7 @@
 //! Place and clock of a weather file. In: the statements of the file and of the user, the place of
 //! the scene. Out: a checked [`Location`].
 
+use crate::text::message;
 use std::path::Path;
 
 use crate::error::{Error, Result};
@@ -74,7 +75,7 @@ impl Station {
             return Err(Error::input(path, None, what, hint));
         };
         let Some(zone) = options.zone.map(|zone| zone.standard_hours(year)).or(self.zone_hours) else {
-            let hint = format!(
+            let hint = message!(
                 "give {{time_zone}}, hours ahead of UTC in standard time, such as {{time_zone}} {:+03.0}:00, or {{time_zone}} UTC",
                 longitude / 15.0
             );

@@ -81,7 +81,7 @@ impl Date {
         let about = (i64::from(days) + 719_162) * 400 / i64::from(DAYS_OF_400_YEARS);
         (i32::try_from(about).ok()?.max(1)..3000).find_map(|year| {
             let first = Date::new(year, 1, 1)?;
-            let mut left = u32::try_from(days - first.day_number()).ok()?;
+            let mut left = u32::try_from(days.checked_sub(first.day_number())?).ok()?;
             let month = (1..=12).find(|&month| {
                 let length = days_in_month(year, month);
                 let here = left < length;

@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 
 use crate::cli::command_line;
 use heliotile::Error;
-use heliotile::text::{Named, with_fields};
+use heliotile::text::{Message, Named};
 
 /// Options by the request field that they fill: the arguments of all commands, without those of the
 /// commands of `study` and `store`.
@@ -24,8 +24,8 @@ pub fn worded(error: Error) -> Error {
 }
 
 /// Words a text for the command line.
-pub fn worded_text(text: &str) -> String {
-    with_fields(text, &in_line)
+pub fn worded_text(text: &Message) -> String {
+    text.in_words(&in_line)
 }
 
 /// Returns the option that fills a field of a request, `--every` for `every`; `None` if no option
@@ -65,16 +65,16 @@ mod tests {
             _ => String::new(),
         };
         assert_eq!(named("azimuth_step, altitude_step"), "--azimuth-step, --altitude-step");
-        assert_eq!(worded_text("take {every} month of {nothing}"), "take --every month of {nothing}");
+        assert_eq!(worded_text(&"take {every} month of {nothing}".into()), "take --every month of nothing");
         assert_eq!((named("threads").as_str(), named("SCENE").as_str()), ("--threads", "SCENE"));
     }
 
     /// A command with and without an option is named as it is typed; 2 that do not exist stay.
     #[test]
     fn commands_are_typed() {
-        assert_eq!(worded_text("`{command:verify_deep} a.helio`"), "`heliotile verify --deep a.helio`");
-        assert_eq!(worded_text("`{command:repair}`"), "`heliotile repair`");
-        assert_eq!(worded_text("{command:mend} {command:verify_on}"), "{command:mend} {command:verify_on}");
+        assert_eq!(worded_text(&"`{command:verify_deep} a.helio`".into()), "`heliotile verify --deep a.helio`");
+        assert_eq!(worded_text(&"`{command:repair}`".into()), "`heliotile repair`");
+        assert_eq!(worded_text(&"{command:mend}".into()), "heliotile mend");
     }
 
     /// A field has one option, whichever command takes it.

@@ -2,6 +2,7 @@
 //! and then elsewhere, nothing with `--quiet`; warnings on standard error; Ctrl-C as a request to
 //! stop.
 
+use heliotile::text::Message;
 use std::collections::HashMap;
 use std::fmt::Write;
 use std::io::IsTerminal;
@@ -14,7 +15,7 @@ use super::interrupt::{self, Watch};
 use super::progress_lines::{FIRST_LINE, ProgressLines};
 use super::voice::{aside, is_quiet, note, remark, remark_aside, warn};
 use crate::cli::worded_text;
-use heliotile::Observer;
+use heliotile::{Observer, Tone};
 
 /// Observer of every command.
 pub struct Terminal {
@@ -95,25 +96,18 @@ impl Observer for Terminal {
         }
     }
 
-    fn warn(&self, text: &str) {
-        warn(text);
-    }
-
-    fn note(&self, text: &str) {
-        note(text);
-    }
-
-    fn in_words(&self, text: &str) -> String {
-        worded_text(text)
-    }
-
-    fn report(&self, text: &str) {
-        if self.is_beside_table {
-            remark_aside(text);
-            return;
+    fn tell(&self, tone: Tone, message: Message) {
+        match tone {
+            Tone::Warning => warn(message),
+            Tone::Note => note(message),
+            Tone::Report if self.is_beside_table => remark_aside(message),
+            // A closed standard output does not end the work.
+            Tone::Report => drop(remark(message)),
         }
-        // A closed standard output does not end the work.
-        let _ = remark(text);
+    }
+
+    fn in_words(&self, message: &Message) -> String {
+        worded_text(message)
     }
 
     fn cancelled(&self) -> bool {

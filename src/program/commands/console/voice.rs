@@ -7,6 +7,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicU8, Ordering};
 
 use crate::cli::worded_text;
+use heliotile::text::Message;
 use heliotile::{Error, Result};
 
 /// Amount of messages.
@@ -41,28 +42,28 @@ pub fn say(text: &str) -> Result<()> {
 }
 
 /// Writes a remark on what was done to standard output, unless `--quiet` is given.
-pub fn remark(text: &str) -> Result<()> {
-    if is_quiet() { Ok(()) } else { say(&worded_text(text)) }
+pub fn remark(text: impl Into<Message>) -> Result<()> {
+    if is_quiet() { Ok(()) } else { say(&worded_text(&text.into())) }
 }
 
 /// Writes a remark to standard error, for commands whose standard output may be a table, unless
 /// `--quiet` is given.
-pub fn remark_aside(text: &str) {
+pub fn remark_aside(text: impl Into<Message>) {
     if !is_quiet() {
-        aside(&worded_text(text));
+        aside(&worded_text(&text.into()));
     }
 }
 
 /// Writes a note to standard error: a fact that the user may want to know and that is no problem.
-pub fn note(text: &str) {
-    remark_aside(&format!("note: {text}\n"));
+pub fn note(text: impl Into<Message>) {
+    remark_aside(Message::from("note: ").and(text).and("\n"));
 }
 
 /// Prints a warning of a command that continues: its first line, and with `--verbose` the list
 /// behind it.
-pub fn warn(text: &str) {
+pub fn warn(text: impl Into<Message>) {
     let verbose = VOLUME.load(Ordering::Relaxed) == Volume::Verbose as u8;
-    aside(&format!("warning: {}\n", worded_text(&shortened(text, verbose))));
+    aside(&format!("warning: {}\n", shortened(&worded_text(&text.into()), verbose)));
 }
 
 /// Writes to standard error; a closed one must not end the work.
@@ -107,8 +108,11 @@ mod tests {
     #[test]
     fn lists_are_printed_only_with_verbose() {
         let text = with_list("3 materials are odd", ["a", "b", "c"].map(String::from));
-        assert_eq!(shortened(&text, false), "3 materials are odd (-v lists them)");
-        assert_eq!(shortened(&text, true).lines().collect::<Vec<_>>(), ["3 materials are odd", "  a", "  b", "  c"]);
+        assert_eq!(shortened(&text.plain(), false), "3 materials are odd (-v lists them)");
+        assert_eq!(
+            shortened(&text.plain(), true).lines().collect::<Vec<_>>(),
+            ["3 materials are odd", "  a", "  b", "  c"]
+        );
         assert_eq!(shortened("one is odd", false), "one is odd");
     }
 }

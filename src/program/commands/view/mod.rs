@@ -60,8 +60,8 @@ pub fn run(args: &View, _: Provenance) -> Result<Outcome> {
     if let Some(path) = &args.page.weather {
         let place = archive.manifest().place;
         let read = read_weather_as(path, &args.page.about_weather, &mut || Ok(place))?;
-        read.report.warnings.iter().for_each(|w| warn(w));
-        place.and_then(|place| far_apart(&place, &read)).iter().for_each(|apart| warn(apart));
+        read.report.warnings.iter().for_each(warn);
+        place.and_then(|place| far_apart(&place, &read)).iter().for_each(warn);
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         page = page.with_option("weather", server::WEATHER).with_option("weatherName", name);
         page = page.with_clock(&args.page.about_weather);
@@ -69,7 +69,7 @@ pub fn run(args: &View, _: Provenance) -> Result<Outcome> {
     }
     let listener = listen(args.port)?;
     let address = listener.local_addr().map_err(Error::io(archive.path(), "find an address for"))?;
-    remark(&format!("{} is shown at http://{address}/ until Ctrl-C\n", shown(&args.page.archive).display()))?;
+    remark(format!("{} is shown at http://{address}/ until Ctrl-C\n", shown(&args.page.archive).display()))?;
     let page = page.html();
     let packed_page = packed(page.as_bytes()).map_err(Error::io(archive.path(), "pack the page of"))?;
     let archive = match parts.is_empty() {

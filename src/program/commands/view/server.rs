@@ -15,7 +15,6 @@ use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 use tower_http::services::ServeFile;
 
-use crate::cli::worded_text;
 use heliotile::archive::ReadAt;
 use heliotile::atlas::PARTS;
 use heliotile::{Error, Result};
@@ -133,7 +132,7 @@ async fn passed_on(bytes: Arc<dyn ReadAt>, headers: HeaderMap) -> Response {
             let range = (header::CONTENT_RANGE, format!("bytes {first}-{last}/{length}"));
             (StatusCode::PARTIAL_CONTENT, [range, (header::ACCEPT_RANGES, "bytes".into())], part).into_response()
         }
-        Err(error) => (StatusCode::BAD_GATEWAY, worded_text(&format!("{error}\n"))).into_response(),
+        Err(error) => (StatusCode::BAD_GATEWAY, format!("{error}\n")).into_response(),
     }
 }
 

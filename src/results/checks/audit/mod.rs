@@ -141,7 +141,7 @@ impl AuditRequest {
         let left_out = &archive.manifest().settings.left_out;
         if !left_out.is_empty() {
             let left_out = left_out.join(", ");
-            observer.report(&format!(
+            observer.report(format!(
                 "{} leaves out {left_out}, and so does the reference path tracer\n",
                 archive.path().display()
             ));

@@ -193,7 +193,8 @@ impl AuditReport {
         let is_exceeded = |stated: f64| self.total().rmse_percent.low > STATED_WITHIN * stated;
         (self.verdict, self.sentence) = match self.stated_percent {
             None => {
-                let sentence = observer.in_words("the archive states no error: `build {error} 2%` would state one");
+                let sentence =
+                    observer.in_words(&"the archive states no error: `build {error} 2%` would state one".into());
                 (Verdict::NothingStated, sentence)
             }
             Some(stated) if !is_exceeded(stated) && refuted.is_empty() => {

@@ -71,7 +71,7 @@ impl Lacking {
         }
     }
 
-    fn check(&self, file: &Path, what: &str, hint: &str) -> Result<()> {
+    fn check(&self, file: &Path, what: &str, hint: &'static str) -> Result<()> {
         if self.count == 0 {
             return Ok(());
         }

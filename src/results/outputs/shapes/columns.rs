@@ -11,6 +11,7 @@ use crate::outputs::tables::bin_labels::BinLabels;
 use crate::outputs::tables::layout::{BinKind, By, Layout};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::receiver::Receiver;
+use heliotile_core::text::message;
 use heliotile_core::units::tilt_and_azimuth;
 
 /// Largest number of value columns: GIS programs become slow long before file formats reach their
@@ -96,7 +97,7 @@ impl MapColumns {
             values.extend(months.iter().map(of_month));
         }
         if values.len() > MOST_COLUMNS {
-            let what = format!(
+            let what = message!(
                 "the number of columns of a map, {} of {} components (choose fewer with {{columns}} total, or write a table)",
                 bins.len(),
                 quantities.len()

@@ -2,6 +2,7 @@
 //! In: rows, tiles of values. Out: the files, in a folder of the same name beside the `.pvd`. The
 //! `.pvd` is written last, so the files it lists are complete.
 
+use heliotile_core::text::message;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -109,7 +110,7 @@ pub fn write(
     let bins = series.bins.len() as u64;
     // Each file repeats the geometry, so the total size is checked before anything is written.
     if each * bins > MOST_BYTES {
-        let what = format!(
+        let what = message!(
             "the size in bytes of a time series of {bins} files (choose fewer with {{from}} and {{to}}, a longer {{every}}, {{by}} \
              building or {{receivers}})"
         );

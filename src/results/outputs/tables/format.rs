@@ -1,6 +1,7 @@
 //! Formats of tables, in the only list of formats and endings. In: a name. Out: its format, and a
 //! writer of it.
 
+use heliotile_core::text::Message;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -92,7 +93,7 @@ impl Format {
         Format::known(path).ok_or_else(|| Error::Unsupported {
             what: "ending of the output file".into(),
             found: format!("`{}`", path.display()),
-            supported: Format::listed(),
+            supported: Format::listed().into(),
         })
     }
 
@@ -159,6 +160,6 @@ pub fn table_endings() -> Vec<(&'static str, &'static str)> {
 }
 
 /// Returns the help of an option that names a table to write: its subject, and the endings.
-pub fn table_help(table: &str) -> String {
-    format!("{table}: {}", Format::described())
+pub fn table_help(table: &'static str) -> Message {
+    Message::from(table).and(": ").and(Format::described())
 }

@@ -1,6 +1,7 @@
 //! Oddities of a file, by kind. In: a kind and a name for each oddity. Out: one warning for each
 //! kind, with its count and the first name.
 
+use heliotile_core::text::Message;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -16,9 +17,9 @@ impl Notes {
         note.0 += 1;
     }
 
-    pub(in crate::formats) fn say(&self, file: &Path, warnings: &mut Vec<String>) {
+    pub(in crate::formats) fn say(&self, file: &Path, warnings: &mut Vec<Message>) {
         for (kind, (count, first)) in &self.0 {
-            warnings.push(format!("{}: {count} {kind} (first: `{first}`)", file.display()));
+            warnings.push(format!("{}: {count} {kind} (first: `{first}`)", file.display()).into());
         }
     }
 }

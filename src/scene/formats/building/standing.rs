@@ -44,14 +44,14 @@ pub(in crate::formats) fn ground_elevation_m(geometry: &mut Geometry, shades: Sh
              model if it stands on the ground. EnergyPlus keeps its ground at z = 0; it hides nothing and sends no light to points \
              below it",
             file.display()
-        ));
+        ).into());
     }
     if lowest_m > HIGH_M {
         geometry.warnings.push(format!(
             "{}: the lowest surface in the sun lies {lowest_m:.2} m above the ground, which is at z = 0 as in EnergyPlus; lower the \
              model if it stands on the ground",
             file.display()
-        ));
+        ).into());
     }
     lowest_m.min(0.0)
 }

@@ -97,7 +97,7 @@ fn count_instances(reader: &mut Reader, store: &Store, features: &[Feature]) -> 
         return Ok(());
     }
     Err(Error::Limit {
-        what: format!("the number of corners of instances of templates in {}", reader.file.display()),
+        what: format!("the number of corners of instances of templates in {}", reader.file.display()).into(),
         value: reader.instanced,
         max: MAX_CORNERS,
     })

@@ -8,6 +8,7 @@
 //! or address follows the register, and any other name means easting, northing.
 
 use glam::DVec3;
+use heliotile_core::text::Message;
 
 use crate::coordinate::is_position;
 use crate::epsg_numbers::{Axes, axes_of, horizontal_part};
@@ -36,9 +37,9 @@ pub(super) struct Coordinates {
     /// Conversion to metres, known from the first position on.
     way: Option<Way>,
     /// Notes on decisions; each continues "the file: ".
-    pub notes: Vec<String>,
+    pub notes: Vec<Message>,
     /// Notes on doubtful statements of the file.
-    pub doubts: Vec<String>,
+    pub doubts: Vec<Message>,
 }
 
 /// Conversion of numbers to metres.
@@ -93,9 +94,12 @@ impl Coordinates {
             None => {
                 if name.epsg.is_none() {
                     let shown = excerpt(text.as_bytes());
-                    self.doubts.push(format!(
-                        "`srsName` is `{shown}`, which has no known EPSG code; the place on Earth stays unknown"
-                    ));
+                    self.doubts.push(
+                        format!(
+                            "`srsName` is `{shown}`, which has no known EPSG code; the place on Earth stays unknown"
+                        )
+                        .into(),
+                    );
                 }
                 self.stated = Some((text.to_owned(), name));
                 Ok(())
@@ -160,18 +164,18 @@ impl Coordinates {
             Unusable::File { what, hint: "reproject the file to a system in metres, such as the national grid or UTM" }
         })?;
         if let Some(swap) = swap {
-            self.doubts.push(swap.sentence(stated));
+            self.doubts.push(swap.sentence(stated).into());
         } else if !is_certain && self.scene.is_none() && stated.swapped().is_in_range() {
             // Writers of such names use both orders (OGC 05-077r4 has longitude first).
             self.doubts.push(format!(
                 "`srsName` is `{}`, which does not say whether latitude comes first: the first position is read as {read}; if longitude \
                  comes first, write `urn:ogc:def:crs:OGC:1.3:CRS84`",
                 excerpt(text.as_bytes())
-            ));
+            ).into());
         }
         let longitude_first = name.longitude_first != swap.is_some();
         let reference = from.reference();
-        self.notes.push(format!("latitude and longitude (EPSG:{epsg}) are converted to metres of {reference}"));
+        self.notes.push(format!("latitude and longitude (EPSG:{epsg}) are converted to metres of {reference}").into());
         Ok(Way::Degrees { from: Box::new(from), longitude_first })
     }
 
@@ -189,15 +193,18 @@ impl Coordinates {
         };
         if northing_first != (by_register && is_formal) {
             let order = if northing_first { "northing, easting" } else { "easting, northing" };
-            self.notes.push(format!(
-                "coordinates are read as {order}: in the other order they lie outside of the area of EPSG:{epsg}"
-            ));
+            self.notes.push(
+                format!(
+                    "coordinates are read as {order}: in the other order they lie outside of the area of EPSG:{epsg}"
+                )
+                .into(),
+            );
         }
         let height_unit_m = stated_unit.unwrap_or(unit_m);
         if unit_m != 1.0 || height_unit_m != 1.0 {
             self.notes.push(format!(
                 "coordinates are converted to metres: a unit of EPSG:{epsg} is {unit_m:.7} m, a unit of heights {height_unit_m:.7} m"
-            ));
+            ).into());
         }
         Way::Plane { northing_first, unit_m, height_unit_m }
     }

@@ -277,7 +277,7 @@ impl Scan<'_> {
         self.corners_read += self.ring_corners.len() as u64;
         if self.corners_read > MAX_CORNERS {
             return Err(Error::Limit {
-                what: format!("the number of corners of {} (split it into tiles)", self.xml.file().display()),
+                what: format!("the number of corners of {} (split it into tiles)", self.xml.file().display()).into(),
                 value: self.corners_read,
                 max: MAX_CORNERS,
             });

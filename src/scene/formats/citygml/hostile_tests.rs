@@ -29,9 +29,9 @@ fn a_wrong_object_costs_no_other() {
         let geometry = read(&model(&(one("a", &sound) + &one("b", &wrong) + &one("c", &sound))));
         assert_eq!(geometry.face_count(), 12, "{to}");
         let [warning] = geometry.warnings.as_slice() else { panic!("{:?}", geometry.warnings) };
-        assert!(warning.contains("1 city object left out") && warning.contains("object `b`: "), "{warning}");
+        assert!(warning.contains("1 city object left out") && warning.contains("object `b`: "), "{warning:?}");
         let line = if to.starts_with("10 ") { "line 11, " } else { "line 10, " };
-        assert!(warning.contains(said) && warning.contains(line), "{warning}");
+        assert!(warning.contains(said) && warning.contains(line), "{warning:?}");
     }
 }
 

@@ -8,7 +8,7 @@ use crate::formats::citygml::store::Store;
 use crate::formats::cityjson::document::Lod;
 use crate::formats::cityjson::objects::{LEVELS_NAMED, NO_LEVEL, OTHER_LEVEL, Reader, level_of};
 use crate::formats::cityjson::surfaces::is_hull;
-use heliotile_core::text::{counted, with_list};
+use heliotile_core::text::{Message, counted, with_list};
 
 /// Finest level that shows a building from outside; level 4 also shows its rooms.
 const OUTSIDE: &str = "3";
@@ -75,13 +75,13 @@ impl Levels {
     }
 
     /// Returns a sentence on the buildings that are read in a coarser level than their finest.
-    pub(super) fn doubt(&self) -> Option<String> {
+    pub(super) fn doubt(&self) -> Option<Message> {
         let first = self.coarser.first()?;
         let count = counted(self.coarser.len() as u64, "building");
         let sentence = format!(
             "{count} (`{first}`) read in a coarser level of detail: the finest one is not closed; state `lod` to choose a level"
         );
-        Some(with_list(&sentence, self.coarser.iter().skip(1).cloned()))
+        Some(with_list(sentence, self.coarser.iter().skip(1).cloned()))
     }
 }
 

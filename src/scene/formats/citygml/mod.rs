@@ -61,7 +61,7 @@ use crate::input;
 use crate::input::budget::WorkBudget;
 use coordinates::Coordinates;
 use heliotile_core::error::{Error, Result};
-use heliotile_core::text::with_list;
+use heliotile_core::text::{Message, with_list};
 use levels::Levels;
 use library::Library;
 use scan::{Draft, MEND, Scan};
@@ -138,7 +138,9 @@ fn read_all(path: &Path, asked: &Asked, open: &dyn Fn(&mut Opener) -> Result<()>
     let mut geometry = finish(reader)?;
     geometry.reference = coordinates.reference();
     geometry.in_metres = coordinates.made_metres();
-    geometry.notes.extend(coordinates.notes.iter().map(|note| format!("{}: {note}", path.display())));
+    geometry
+        .notes
+        .extend(coordinates.notes.iter().map(|note| Message::from(format!("{}: ", path.display())).and(note)));
     geometry.doubts.append(&mut coordinates.doubts);
     geometry.doubts.extend(levels.doubt());
     Ok(geometry)

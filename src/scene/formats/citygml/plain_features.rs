@@ -5,6 +5,7 @@
 //! Every property without elements inside is an attribute by its local name; `value` is named after
 //! the property around it (`heightAboveGround` of INSPIRE).
 
+use heliotile_core::text::Message;
 use std::path::Path;
 
 use glam::DVec3;
@@ -77,7 +78,9 @@ pub(super) fn read(path: &Path, asked: &Asked) -> Result<Option<Geometry>> {
         _ => FeatureSystem::default(),
     };
     let mut geometry = collector.finish(system)?;
-    geometry.notes.extend(coordinates.notes.iter().map(|note| format!("{}: {note}", path.display())));
+    geometry
+        .notes
+        .extend(coordinates.notes.iter().map(|note| Message::from(format!("{}: ", path.display())).and(note)));
     geometry.doubts.append(&mut coordinates.doubts);
     Ok(Some(geometry))
 }
@@ -249,7 +252,7 @@ impl FeatureScan<'_> {
         self.corners += numbers.len() as u64 / 2;
         if self.corners > MAX_CORNERS {
             return Err(Error::Limit {
-                what: format!("the number of corners of {} (split it into tiles)", self.xml.file().display()),
+                what: format!("the number of corners of {} (split it into tiles)", self.xml.file().display()).into(),
                 value: self.corners,
                 max: MAX_CORNERS,
             });

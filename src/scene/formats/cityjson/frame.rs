@@ -1,6 +1,7 @@
 //! In: transform and reference system of a CityJSON object. Out: positions in metres, and their
 //! coordinate system.
 
+use heliotile_core::text::Message;
 use std::path::Path;
 
 use glam::DVec3;
@@ -51,7 +52,7 @@ impl Frame {
 
 /// Returns the coordinate system of `metadata.referenceSystem`; refuses degrees and geocentric
 /// coordinates.
-pub(super) fn reference(text: &str, file: &Path, warnings: &mut Vec<String>) -> Result<Option<Reference>> {
+pub(super) fn reference(text: &str, file: &Path, warnings: &mut Vec<Message>) -> Result<Option<Reference>> {
     let number = epsg_numbers_in(text).first().copied();
     let axes = number.and_then(axes_of);
     if axes == Some(Axes::Geocentric) {
@@ -70,7 +71,7 @@ pub(super) fn reference(text: &str, file: &Path, warnings: &mut Vec<String>) -> 
             "{}: `metadata.referenceSystem` is `{}`, which has no known EPSG code; the place on Earth stays unknown",
             file.display(),
             excerpt(text.as_bytes())
-        ));
+        ).into());
     }
     Ok(number.map(Reference::Epsg))
 }

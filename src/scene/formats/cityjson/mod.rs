@@ -32,7 +32,7 @@ use answers::Answer;
 use document::{Document, Lod};
 use frame::Frame;
 use heliotile_core::error::{Error, Result};
-use heliotile_core::text::{counted, with_list};
+use heliotile_core::text::{Message, counted, with_list};
 use objects::Reader;
 pub(super) use surfaces::name_by_tilt;
 use templates::Template;
@@ -151,7 +151,7 @@ pub(super) fn finish(reader: Reader) -> Result<Geometry> {
             let what = counted(cut as u64, "opening");
             geometry
                 .doubts
-                .push(format!("{what} (windows, doors) lie on walls and roofs without holes: cut out of them"));
+                .push(format!("{what} (windows, doors) lie on walls and roofs without holes: cut out of them").into());
         }
         if let Some((first, others)) = coarser.split_first() {
             let count = counted(coarser.len() as u64, "building");
@@ -159,7 +159,7 @@ pub(super) fn finish(reader: Reader) -> Result<Geometry> {
                 "{count} (`{}`) read in a coarser level of detail: the finest one has no walls; state `lod` to choose a level",
                 excerpt(first.as_bytes())
             );
-            geometry.doubts.push(with_list(&sentence, others.iter().cloned()));
+            geometry.doubts.push(with_list(sentence, others.iter().cloned()));
         }
         geometry.warnings.extend(left_out(file, &skipped, mend));
         return Ok(geometry);
@@ -195,10 +195,10 @@ pub(super) fn finish(reader: Reader) -> Result<Geometry> {
 
 /// Returns a sentence on the objects that are left out because their geometry is wrong, with a list
 /// of all of them.
-fn left_out(file: &Path, skipped: &[Error], mend: &str) -> Option<String> {
+fn left_out(file: &Path, skipped: &[Error], mend: &str) -> Option<Message> {
     let words = |error: &Error| match error {
-        Error::Input { what, line: Some(line), .. } => format!("line {line}, {what}"),
-        Error::Input { what, .. } => what.clone(),
+        Error::Input { what, line: Some(line), .. } => format!("line {line}, {}", what.plain()),
+        Error::Input { what, .. } => what.plain(),
         other => other.to_string(),
     };
     let (first, others) = skipped.split_first()?;
@@ -208,7 +208,7 @@ fn left_out(file: &Path, skipped: &[Error], mend: &str) -> Option<String> {
         counted(skipped.len() as u64, "city object"),
         words(first)
     );
-    Some(with_list(&sentence, others.iter().map(words)))
+    Some(with_list(sentence, others.iter().map(words)))
 }
 
 /// Returns the level of detail in a user's text.

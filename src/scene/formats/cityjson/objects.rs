@@ -164,7 +164,7 @@ impl<'h> Reader<'_, 'h> {
         self.instanced += corners;
         if self.instanced > MAX_CORNERS {
             return Err(Error::Limit {
-                what: format!("the number of corners of instances of templates in {}", self.file.display()),
+                what: format!("the number of corners of instances of templates in {}", self.file.display()).into(),
                 value: self.instanced,
                 max: MAX_CORNERS,
             });
@@ -373,7 +373,7 @@ impl<'h> Reader<'_, 'h> {
         if range.mirrored { by_tilt(ring.rev()) } else { by_tilt(ring) }
     }
 
-    fn error(&self, what: String, hint: &str) -> Error {
+    fn error(&self, what: String, hint: &'static str) -> Error {
         Error::input(self.file, self.line, what, hint)
     }
 

@@ -54,7 +54,7 @@ pub(super) fn other_kinds(document: &Document, text: &[u8], file: &Path, line: O
 pub(super) fn version(document: &Document, file: &Path) -> Result<()> {
     if !["1.0", "1.1", "2.0"].iter().any(|known| document.version.0.starts_with(known)) {
         return Err(Error::Unsupported {
-            what: format!("the CityJSON version of {}", file.display()),
+            what: format!("the CityJSON version of {}", file.display()).into(),
             found: format!("`{}`", excerpt(document.version.0.as_bytes())),
             supported: "1.0, 1.1, 2.0; upgrade older files: `cjio old.json upgrade save new.city.json`".into(),
         });

@@ -334,9 +334,9 @@ fn a_wrong_object_costs_no_other() {
     let geometry = read(&model(&[object("a", good), object("b", short), object("c", good)].join(",")));
     assert_eq!(geometry.face_count(), 12);
     let [said] = geometry.warnings.as_slice() else { panic!("{:?}", geometry.warnings) };
-    assert!(said.contains("1 city object left out") && said.contains("object `b`: the values"), "{said}");
+    assert!(said.contains("1 city object left out") && said.contains("object `b`: the values"), "{said:?}");
     let geometry = read(&model(&[object("a", far), object("b", short), object("c", good)].join(",")));
-    let said = geometry.warnings.concat();
+    let said = geometry.warnings.iter().map(|said| said.plain()).collect::<String>();
     assert!(said.contains("2 city objects left out") && said.contains("`a`") && said.contains("`b`"), "{said}");
     assert_eq!(faces(&geometry).iter().filter(|face| face.0 == "c").count(), 6);
 }
@@ -454,7 +454,7 @@ fn a_roof_without_walls_gives_way_to_a_solid() {
     let geometry = read(&roof);
     assert_eq!((geometry.face_count(), left_out(&geometry)), (6, 1));
     let [doubt] = geometry.doubts.as_slice() else { panic!("{:?}", geometry.doubts) };
-    assert!(doubt.starts_with("1 building (`b`) read in a coarser level of detail"), "{doubt}");
+    assert!(doubt.plain().starts_with("1 building (`b`) read in a coarser level of detail"), "{doubt:?}");
     let asked = read_as(&roof, "town.city.json", Some("2")).expect("readable");
     assert_eq!((asked.face_count(), asked.doubts.len()), (1, 0));
     let walled = read(&both("[[4,5,6,7]],[[0,1,5,4]]"));

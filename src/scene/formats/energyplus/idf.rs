@@ -84,7 +84,7 @@ pub fn idf_fields(bytes: &[u8], file: &Path, mut take: impl FnMut(IdfField) -> R
         let at = |part: &[u8]| line_start + (part.as_ptr() as usize - text.as_ptr() as usize);
         if rest.starts_with(b"##") {
             return Err(Error::Unsupported {
-                what: format!("{}, line {line}", file.display()),
+                what: format!("{}, line {line}", file.display()).into(),
                 found: format!("the macro `{}`", excerpt(rest)),
                 supported: "IDF without macros: run EP-Macro, or save the model from its editor".into(),
             });

@@ -20,6 +20,7 @@ mod surfaces;
 mod tests;
 mod turned;
 
+use heliotile_core::text::Message;
 use std::path::Path;
 
 use crate::formats::Asked;
@@ -54,7 +55,7 @@ fn assemble(model: &Model, file: &Path, asked: &Asked) -> Result<Geometry> {
     let mut geometry = Geometry::default();
     let mut notes = Notes::default();
     if asked.assume_version.is_none() {
-        geometry.warnings.extend(doubt(model.version, file));
+        geometry.warnings.extend(doubt(model.version, file).into_iter().map(Message::from));
     }
     let place = Place::read(model, file, &mut geometry.warnings)?;
     geometry.reference = reference(model, file, &mut notes)?;

@@ -107,7 +107,7 @@ impl Object {
         format!("{} `{}`", self.layout.class, excerpt(self.name.as_bytes()))
     }
 
-    pub(super) fn error(&self, file: &Path, what: String, hint: &str) -> Error {
+    pub(super) fn error(&self, file: &Path, what: String, hint: &'static str) -> Error {
         let line = (self.line > 0).then_some(self.line);
         Error::input(file, line, format!("{}: {what}", self.title()), hint)
     }

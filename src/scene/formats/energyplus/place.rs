@@ -4,6 +4,7 @@
 //! Follows EnergyPlus' `SurfaceGeometry` (`GetVertices`, `MakeRectangularVertices`,
 //! `MakeRelativeRectangularVertices`).
 
+use heliotile_core::text::Message;
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -50,7 +51,7 @@ fn turned(p: DVec3, degrees: f64) -> DVec3 {
 }
 
 impl Place {
-    pub(super) fn read(model: &Model, file: &Path, warnings: &mut Vec<String>) -> Result<Place> {
+    pub(super) fn read(model: &Model, file: &Path, warnings: &mut Vec<Message>) -> Result<Place> {
         let rules = model.of("GlobalGeometryRules").next();
         let text = |key| rules.map_or("", |rules| rules.text(key));
         let corner = text("starting_vertex_position").to_lowercase();
@@ -62,11 +63,14 @@ impl Place {
         let known = ["counterclockwise", "ccw", "clockwise", "cw"].contains(&direction.as_str())
             && ["relative", "world", "absolute"].contains(&system.as_str());
         if !known || corner.is_none() {
-            warnings.push(format!(
-                "{}: GlobalGeometryRules are missing or unclear; where they state nothing else, UpperLeftCorner, \
+            warnings.push(
+                format!(
+                    "{}: GlobalGeometryRules are missing or unclear; where they state nothing else, UpperLeftCorner, \
                  Counterclockwise and, as in EnergyPlus, World are assumed",
-                file.display()
-            ));
+                    file.display()
+                )
+                .into(),
+            );
         }
         let mut zones = HashMap::new();
         for zone in model.of("Zone") {

@@ -7,7 +7,7 @@ use std::path::Path;
 use glam::{DVec2, DVec3};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::scene_object::ObjectNote;
-use heliotile_core::text::with_list;
+use heliotile_core::text::{Message, message, with_list};
 
 use super::feature::{Feature, FeaturePolygon};
 use super::hstore;
@@ -58,7 +58,7 @@ pub(in crate::formats) struct Collector<'a> {
     /// Names of the footprints whose polygons overlapped.
     united: Vec<String>,
     /// Sentences on the file, from its reader.
-    doubts: Vec<String>,
+    doubts: Vec<Message>,
 }
 
 impl<'a> Collector<'a> {
@@ -229,7 +229,7 @@ impl<'a> Collector<'a> {
         self.geometry.reference = placing.reference;
         self.geometry.in_metres = placing.in_metres;
         self.geometry.notes.extend(placing.note);
-        self.geometry.doubts.extend(placing.doubt);
+        self.geometry.doubts.extend(placing.doubt.into_iter().map(Message::from));
         self.mend();
         self.say();
         Ok(self.geometry)
@@ -261,7 +261,7 @@ impl<'a> Collector<'a> {
         }
         self.geometry.footprints = kept;
         if in_feet > 0 {
-            self.doubts.push(format!(
+            self.doubts.push(message!(
                 "heights of {in_feet} features have no unit: they are read in the unit of the coordinates, {unit_m:.4} m; \
                  for metres, name the column with its unit: {{height}} height[m]"
             ));
@@ -300,17 +300,19 @@ impl<'a> Collector<'a> {
             self.geometry.doubts.push(with_list(&sentence, self.united.drain(..)));
         }
         if let Some(first) = &self.first_unreadable {
-            self.geometry.doubts.push(format!("{} features cannot be read and are left out: {first}", self.unreadable));
+            self.geometry
+                .doubts
+                .push(format!("{} features cannot be read and are left out: {first}", self.unreadable).into());
         }
         self.geometry.doubts.append(&mut self.doubts);
         if let Some(count) = self.geometry.left_out.remove(NO_HEIGHT) {
-            self.geometry.doubts.push(format!(
+            self.geometry.doubts.push(message!(
                 "{count} of {} features state neither a height nor storeys and are left out: {{height}} height,9m gives them 9 m",
                 self.features
             ));
         }
         if self.has_heights && !self.geometry.footprints.is_empty() {
-            self.geometry.notes.push(format!(
+            self.geometry.notes.push(message!(
                 "{file}: heights of the corners of outlines are not read; {{base}} sets the height at which buildings begin"
             ));
         }
@@ -321,24 +323,24 @@ impl<'a> Collector<'a> {
         if !self.geometry.footprints.is_empty() || self.geometry.face_count() > 0 {
             return Ok(());
         }
-        let refuse = |what: String, hint: &str| Err(Error::input(self.file, None, what, hint));
+        let refuse = |what: Message, hint: &'static str| Err(Error::input(self.file, None, what, hint));
         if self.features == 0 {
-            return refuse("the file holds no features".to_owned(), "export outlines of buildings with their heights");
+            return refuse("the file holds no features".into(), "export outlines of buildings with their heights");
         }
         if let Some(first) = self.first_unreadable.take().filter(|_| self.unreadable == self.features) {
             return refuse(
-                first,
+                first.into(),
                 "export the features again, as polygons with straight sides: `ogr2ogr -nlt CONVERT_TO_LINEAR out.gpkg FILE`",
             );
         }
-        let mut reasons: Vec<String> =
-            self.geometry.left_out.iter().map(|(reason, count)| format!("{count} {reason}")).collect();
+        let mut reasons: Vec<Message> =
+            self.geometry.left_out.iter().map(|(reason, count)| format!("{count} {reason}").into()).collect();
         if self.unreadable > 0 {
-            reasons.push(format!("{} that cannot be read", self.unreadable));
+            reasons.push(format!("{} that cannot be read", self.unreadable).into());
         }
         reasons.append(&mut self.doubts);
-        let what =
-            format!("none of its {} features became a building; left out: {}", self.features, reasons.join(", "));
+        let what = message!("none of its {} features became a building; left out: ", self.features)
+            .and(Message::joined(reasons, ", "));
         match self.geometry.left_out.contains_key(NO_HEIGHT) {
             true => refuse(
                 what,

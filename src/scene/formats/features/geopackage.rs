@@ -143,7 +143,7 @@ pub(super) fn read(file: &Path, asked: &Asked, take: &mut TakeFeature) -> Result
     let list = |things: &str, names: Vec<String>| {
         let quoted = names.iter().map(|name| format!("`{}`", excerpt(name.as_bytes())));
         (!names.is_empty())
-            .then(|| with_list(&format!("{things} are left out, because SQL of a file is not run"), quoted))
+            .then(|| with_list(format!("{things} are left out, because SQL of a file is not run"), quoted))
     };
     let views = list("layers that are views", unread);
     let computed = list("computed columns", computed);
@@ -261,7 +261,7 @@ mod tests {
             found.push((corners, Value::Object(feature.attributes).to_string()));
             Ok(())
         })?;
-        Ok((found, system.doubts))
+        Ok((found, system.doubts.iter().map(|said| said.plain()).collect()))
     }
 
     /// Three layers that are SQL, an endless query, 900 MB of zeros and a search by letters, are

@@ -1,7 +1,7 @@
 //! Layers of a file of several. In: their names, and those that the user asks for. Out: the layers
 //! that are read, and a sentence on those that are left out.
 
-use heliotile_core::text::with_list;
+use heliotile_core::text::{Message, message, with_list};
 
 use crate::text::excerpt;
 
@@ -34,10 +34,11 @@ pub(super) struct Chosen {
 
 impl Chosen {
     /// Returns a sentence on the layers that are left out, if there are any.
-    pub(super) fn said(&self) -> Option<String> {
+    pub(super) fn said(&self) -> Option<Message> {
         let quoted = |name: &String| format!("`{}`", excerpt(name.as_bytes()));
         let read: Vec<String> = self.read.iter().map(quoted).collect();
-        let sentence = format!("layers read: {}; layers left out, which {{layer}} NAME reads instead", read.join(", "));
+        let sentence =
+            message!("layers read: {}; layers left out, which {{layer}} NAME reads instead", read.join(", "));
         (!self.left_out.is_empty()).then(|| with_list(&sentence, self.left_out.iter().map(quoted)))
     }
 }
@@ -117,6 +118,6 @@ mod tests {
         }
         let all = mixed.map(str::to_owned);
         let said = chosen(&all, &[], None).ok().and_then(|chosen| chosen.said()).expect("a sentence");
-        assert!(said.contains("layers read: `buildings`") && said.contains("`forest`"), "{said}");
+        assert!(said.contains("layers read: `buildings`") && said.contains("`forest`"), "{said:?}");
     }
 }

@@ -77,7 +77,7 @@ pub(super) fn read_parts(parts: &ShapefileParts, file: &Path, take: &mut TakeFea
     if parts.table.is_none() {
         system.doubts.push(
             "the table (.dbf) beside the shapes is missing: its features have neither heights nor names; put it there"
-                .to_owned(),
+                .into(),
         );
     }
     Ok(system)

@@ -1,6 +1,7 @@
 //! Coordinate systems of files of features. In: the system that a file states, its coordinates, and
 //! the system of the scene. Out: the conversion of its coordinates to metres, and a sentence on it.
 
+use heliotile_core::text::{Message, message};
 use std::path::Path;
 
 use glam::DVec2;
@@ -29,7 +30,7 @@ pub(in crate::formats) struct FeatureSystem {
     /// writers disagree on the order.
     pub is_order_open: bool,
     /// Sentences on the file that its reader has for the user.
-    pub doubts: Vec<String>,
+    pub doubts: Vec<Message>,
 }
 
 /// EPSG numbers and Esri's numbers of Web Mercator.
@@ -85,7 +86,7 @@ pub(in crate::formats) struct Placing {
     /// True if the converted coordinates are certainly metres.
     pub in_metres: bool,
     /// Sentence on the conversion, for the user.
-    pub note: Option<String>,
+    pub note: Option<Message>,
     /// Sentence on an order of coordinates that is not the stated one.
     pub doubt: Option<String>,
 }
@@ -132,11 +133,8 @@ impl Placing {
             let read = if swap.is_some() { at.swapped() } else { at };
             let system = to(stated.epsg, read.longitude, read.latitude)?;
             let reference = system.reference();
-            let note = format!(
-                "{}: longitude and latitude are converted to metres of {reference}{}",
-                file.display(),
-                if asked.is_some() { "" } else { ", the UTM zone of its middle ({crs} sets another system)" }
-            );
+            let note = message!("{}: longitude and latitude are converted to metres of {reference}", file.display())
+                .and(if asked.is_some() { "" } else { ", the UTM zone of its middle ({crs} sets another system)" });
             let to_metres = ToMetres::Degrees { system: Box::new(system), latitude_first: swap.is_some() };
             return Ok(Placing { to_metres, reference: Some(reference), in_metres: true, note: Some(note), doubt });
         }
@@ -156,7 +154,7 @@ impl Placing {
                 to_metres,
                 reference: Some(reference),
                 in_metres: true,
-                note: Some(note),
+                note: Some(note.into()),
                 doubt: None,
             });
         }

@@ -30,7 +30,7 @@ pub(super) fn split<'b>(bytes: &'b [u8], file: &Path) -> Result<(&'b [u8], Optio
     let (version, behind) = word(behind).ok_or_else(cut)?;
     if version != 2 {
         return Err(Error::Unsupported {
-            what: format!("the scene {}", file.display()),
+            what: format!("the scene {}", file.display()).into(),
             found: format!("binary glTF {version}"),
             supported: "glTF 2.0".into(),
         });
@@ -89,7 +89,8 @@ impl<'r> Buffers<'r> {
         let mut files: HashMap<PathBuf, Rc<Vec<u8>>> = HashMap::new();
         let mut bytes = Vec::new();
         for (i, buffer) in root.buffers.iter().enumerate() {
-            let refuse = |what: String, hint: &str| Error::input(file, None, format!("buffer {i} {what}"), hint);
+            let refuse =
+                |what: String, hint: &'static str| Error::input(file, None, format!("buffer {i} {what}"), hint);
             let found = match (&buffer.uri, chunk) {
                 (None, Some(chunk)) if i == 0 => Bytes::Chunk(chunk),
                 (None, _) => {

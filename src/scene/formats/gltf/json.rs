@@ -232,7 +232,7 @@ impl Root {
         let version = serde_json::from_slice::<Versioned>(json).map_err(refuse)?.asset.version;
         if !version.starts_with("2.") {
             return Err(Error::Unsupported {
-                what: format!("the scene {}", file.display()),
+                what: format!("the scene {}", file.display()).into(),
                 found: format!("glTF {}", crate::text::excerpt(version.as_bytes())),
                 supported: "glTF 2.0".into(),
             });
@@ -279,7 +279,7 @@ pub(super) fn unreadable(file: &Path, found: &str, extension: &str) -> Error {
         "glTF 2.0 without it: switch it off in the export"
     };
     Error::Unsupported {
-        what: format!("the scene {}", file.display()),
+        what: format!("the scene {}", file.display()).into(),
         found: format!("{found}, without which geometry is missing"),
         supported: supported.into(),
     }

@@ -7,6 +7,7 @@
 
 use crate::materials::assumed::{WHITE_WORDS, is_white, undescribed};
 use crate::materials::select::class_of_name;
+use heliotile_core::text::message;
 use std::path::Path;
 
 use crate::formats::Asked;
@@ -118,7 +119,7 @@ impl<'r> Materials<'r> {
         ] {
             if let Some(first) = names.first() {
                 let (file, count, first) = (self.file.display(), names.len(), excerpt(first.as_bytes()));
-                geometry.warnings.push(format!(
+                geometry.warnings.push(message!(
                     "{file}: {count} materials (`{first}` is the first) {what}; give their reflectances in materials.toml ({{materials}})"
                 ));
             }

@@ -13,6 +13,7 @@ mod materials;
 #[cfg(test)]
 mod tests;
 
+use heliotile_core::text::Message;
 use std::path::Path;
 
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
@@ -55,7 +56,7 @@ pub(super) fn parse(bytes: &[u8], file: &Path, asked: &Asked) -> Result<Geometry
         budget: WorkBudget::of(bytes.len() as u64 + buffers.length()),
         unmoved: (0, 0),
     };
-    reader.geometry.warnings.extend(ignored);
+    reader.geometry.warnings.extend(ignored.into_iter().map(Message::from));
     reader.walk()?;
     reader.finish()
 }
@@ -238,7 +239,7 @@ impl<'r> Reader<'r> {
         self.triangles += triangles as u64;
         if self.triangles > MAX_TRIANGLES {
             return Err(Error::Limit {
-                what: format!("the number of triangles of all instances in {}", self.file.display()),
+                what: format!("the number of triangles of all instances in {}", self.file.display()).into(),
                 value: self.triangles,
                 max: MAX_TRIANGLES,
             });
@@ -321,7 +322,7 @@ impl<'r> Reader<'r> {
             if count > 0 {
                 let text =
                     format!("{}: {count} {what}, which are ignored: the stored pose is used", self.file.display());
-                self.geometry.warnings.push(text);
+                self.geometry.warnings.push(text.into());
             }
         }
         Ok(self.geometry)

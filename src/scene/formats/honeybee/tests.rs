@@ -159,7 +159,7 @@ fn surfaces_get_the_material_that_they_name() {
     }
     assert_eq!(geometry.stated["shading transmittance 0.5"].transmittance, Some(0.5));
     assert_eq!(found["trellis"].0, "shading transmittance 0.5");
-    let said: Vec<&String> = geometry.warnings.iter().collect();
+    let said: Vec<_> = geometry.warnings.iter().collect();
     assert!(said.len() == 1 && said[0].contains("surfaces have neither modifier nor construction"), "{said:?}");
 }
 
@@ -406,7 +406,7 @@ fn faces_of_a_closed_room_look_outwards() {
         (&window, "1 windows or doors face against their wall and are turned round"),
     ] {
         let geometry = read(&model.to_string());
-        let turned: Vec<&String> = geometry.warnings.iter().filter(|warning| warning.contains("turned")).collect();
+        let turned: Vec<_> = geometry.warnings.iter().filter(|warning| warning.contains("turned")).collect();
         assert!(turned.len() == 1 && turned[0].contains(said), "{said}: {turned:?}");
         for (name, faces) in normals(model) {
             assert!((faces[0] - expected[&name][0]).length() < 1e-9, "{name}");

@@ -1,12 +1,14 @@
 //! Queries of the page: light, a sky, changed reflectances, columns. In: JSON. Out: the core's
 //! options. Equal queries have equal answers, so results for one tile serve the next.
 
+use std::collections::BTreeMap;
+
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::Component;
 use heliotile_core::replay::reflectances::{self, ConstantOrFile};
 use heliotile_core::sky::model::SkyModel;
-use heliotile_core::weather::options::{DateOrder, StampedAt, WeatherOptions};
-use heliotile_core::weather::time::clock_zone::ClockZone;
+use heliotile_core::weather::options::WeatherOptions;
+use heliotile_requests::filled;
 use serde::Deserialize;
 
 use crate::weather::LoadedWeather;
@@ -36,41 +38,15 @@ impl Changes {
     }
 }
 
-/// Clock of a weather file, in the words of the command line. The file decides on fields that are
-/// not given.
+/// Texts of the options of a weather file, by the names of the request's fields.
 #[derive(Clone, Debug, Default, Deserialize)]
-#[serde(rename_all = "camelCase", default)]
-pub struct Clock {
-    time_zone: Option<String>,
-    shift: Option<String>,
-    stamp: Option<String>,
-    date_order: Option<String>,
-}
+pub struct WeatherTexts(BTreeMap<String, String>);
 
-impl Clock {
+impl WeatherTexts {
     /// Returns the options for the reader of the file.
     pub fn options(&self) -> Result<WeatherOptions> {
-        let zone = self.time_zone.as_deref().map(|text| {
-            let hint = "give hours ahead of UTC, or a name such as Europe/Amsterdam";
-            text.parse::<ClockZone>().map_err(|_| Error::argument("timeZone", format!("`{text}`"), hint))
-        });
-        let shift = self.shift.as_deref().map(|text| text.parse().map_err(|why| Error::argument("shift", why, "")));
-        let stamp = self.stamp.as_deref().map(|text| {
-            let all = [StampedAt::Start, StampedAt::Middle, StampedAt::End];
-            let found = all.into_iter().find(|at| at.name() == text);
-            found.ok_or_else(|| Error::argument("stamp", format!("`{text}`"), "give start, middle or end"))
-        });
-        let order = self.date_order.as_deref().map(|text| {
-            let found = DateOrder::ALL.into_iter().find(|order| order.name() == text);
-            found.ok_or_else(|| Error::argument("dateOrder", format!("`{text}`"), "give dmy, mdy or ymd"))
-        });
-        Ok(WeatherOptions {
-            date_order: order.transpose()?,
-            zone: zone.transpose()?,
-            shift: shift.transpose()?.unwrap_or_default(),
-            stamped_at: stamp.transpose()?,
-            ..WeatherOptions::default()
-        })
+        let given: Vec<_> = self.0.iter().map(|(name, text)| (name.clone(), vec![text.clone()])).collect();
+        filled(&given).map_err(Error::refused)
     }
 }
 

@@ -62,11 +62,11 @@ impl Engine {
             Request::Scene { chunk } => geometry::scene(opened, chunk),
             Request::Overview { tile } => geometry::overview(opened, tile),
             Request::Receivers { tile } => receivers::receivers(opened, tile),
-            Request::LoadWeather { name, clock } => {
+            Request::LoadWeather { name, options } => {
                 // Only archives of people need the air. A column of it that cannot be read must not
                 // make the file useless to other archives.
                 let read = |with_air| {
-                    let options = WeatherOptions { with_air, ..clock.options()? };
+                    let options = WeatherOptions { with_air, ..options.options()? };
                     LoadedWeather::read(&name, &bytes, &options, manifest)
                 };
                 let with_air = People::are_likely(opened).unwrap_or(false);

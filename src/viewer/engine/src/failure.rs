@@ -2,7 +2,7 @@
 //! show.
 
 use heliotile_core::error::Error;
-use heliotile_core::text::{Named, with_fields};
+use heliotile_core::text::{Message, Named};
 use serde::Serialize;
 
 /// Separator between a message of the core and its hint.
@@ -60,8 +60,8 @@ impl From<Error> for Failure {
 }
 
 /// Returns a text in the words of the page.
-pub fn worded_text(text: &str) -> String {
-    with_fields(text, &in_page)
+pub fn worded_text(text: &Message) -> String {
+    text.in_words(&in_page)
 }
 
 /// Returns field names in plain words, and the program's commands for tasks that the page cannot

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use crate::asked::{AirAsk, Changes, Clock, MinutesAsk, MomentAsk, SumAsk};
+use crate::asked::{AirAsk, Changes, MinutesAsk, MomentAsk, SumAsk, WeatherTexts};
 use crate::comfort::ComfortAsk;
 use crate::matching::AskedPlace;
 use crate::site::Beside;
@@ -33,7 +33,7 @@ pub enum Request {
     LoadWeather {
         name: String,
         #[serde(default)]
-        clock: Clock,
+        options: WeatherTexts,
     },
     /// Takes a picture of clouds, whose levels of red, green, blue and opacity go with the request.
     /// A picture of 0 pixels a side removes it. `map` is the number of points a side of the map

@@ -4,15 +4,16 @@ import type { Call, TileCall } from "./messages";
 import { EnginePool } from "./pool";
 import { EngineThread } from "./thread";
 import type {
-  Air, AirAsk, Changes, ClearSky, Clock, ComfortAsk, Fisheye, LightTexels, Matching, MinutesAsk, MomentAsk, Overview, People, ReceiverInfo, ReceiverAsk, ReceiverPlace,
+  Air, AirAsk, Changes, ClearSky, ComfortAsk, Fisheye, LightTexels, Matching, MinutesAsk, MomentAsk, Overview, People, ReceiverInfo, ReceiverAsk, ReceiverPlace,
   Scene, Series, Site, Source, SumAsk, Sun, TextureAsk, TileTextures, TileValues, Traffic, WeatherInfo,
 } from "./types";
+import type { WeatherOptions } from "./options";
 
 export { EngineError } from "./failure";
 export type { Kind } from "./failure";
 export { NO_PARTNER } from "./types";
 export type {
-  Air, AirAsk, Changes, ClearSky, Clock, ComfortAsk, Fisheye, Group, Light, LightTexels, Matching, Material, MomentAsk, Overview, People, ReceiverInfo, ReceiverAsk,
+  Air, AirAsk, Changes, ClearSky, ComfortAsk, Fisheye, Group, Light, LightTexels, Matching, Material, MomentAsk, Overview, People, ReceiverInfo, ReceiverAsk,
   ReceiverPlace, Scene, Series, Site, SitePlace, Sky, Source, Span, Stress, SumAsk, Sun, TileTextures, TileValues, Traffic, Vector, WeatherInfo,
 } from "./types";
 
@@ -79,8 +80,8 @@ export class Engine {
   }
 
   /** Loads a weather file, packed with gzip or not. */
-  loadWeather(name: string, bytes: ArrayBuffer, clock: Clock = {}): Promise<WeatherInfo> {
-    return this.pool.tell("loadWeather", [name, bytes, clock]);
+  loadWeather(name: string, bytes: ArrayBuffer, options: WeatherOptions = {}): Promise<WeatherInfo> {
+    return this.pool.tell("loadWeather", [name, bytes, options]);
   }
 
   /**

@@ -5,9 +5,10 @@ import { FileBytes, MemoryBytes, type Bytes } from "./bytes";
 import { EngineError } from "./failure";
 import type { TileCall } from "./messages";
 import type {
-  Air, AirAsk, ClearSky, Clock, ComfortAsk, Fisheye, LightTexels, Matching, MinutesAsk, MomentAsk, Overview, People, ReceiverInfo, ReceiverAsk, ReceiverPlace,
+  Air, AirAsk, ClearSky, ComfortAsk, Fisheye, LightTexels, Matching, MinutesAsk, MomentAsk, Overview, People, ReceiverInfo, ReceiverAsk, ReceiverPlace,
   Scene, Series, Site, Source, SumAsk, Sun, TextureAsk, TileTextures, TileValues, Traffic, WeatherInfo,
 } from "./types";
+import type { WeatherOptions } from "./options";
 import { UrlBytes } from "./url";
 import { Wasm, type Answer } from "./wasm";
 
@@ -78,9 +79,9 @@ export class Tasks {
     return this.call({ request: "receivers", tile }).value as ReceiverInfo[];
   }
 
-  async loadWeather(name: string, bytes: ArrayBuffer, clock: Clock = {}): Promise<WeatherInfo> {
+  async loadWeather(name: string, bytes: ArrayBuffer, options: WeatherOptions = {}): Promise<WeatherInfo> {
     const unpacked = await unpack(bytes);
-    const { value, arrays } = this.engine().call({ request: "loadWeather", name, clock }, unpacked);
+    const { value, arrays } = this.engine().call({ request: "loadWeather", name, options }, unpacked);
     return { ...(value as object), ...arrays } as unknown as WeatherInfo;
   }
 

@@ -162,16 +162,6 @@ export interface Sun {
   altitude: number;
 }
 
-/**
- * Clock of a weather file, in the words of the command line. The file decides on fields that are
- * not given.
- */
-export interface Clock {
-  timeZone?: string;
-  shift?: string;
-  stamp?: string;
-}
-
 /** Irradiances under a clear sky, W/m2. */
 export interface ClearSky {
   dni: number;

@@ -53,7 +53,7 @@ impl EpwHeader {
             };
             if records_per_hour == 0 || 60 % records_per_hour != 0 {
                 return Err(Error::Unsupported {
-                    what: format!("{}, line {line}: records per hour", path.display()),
+                    what: format!("{}, line {line}: records per hour", path.display()).into(),
                     found: records_per_hour.to_string(),
                     supported: "the divisors of 60: 1, 2, 3, 4, 5, 6, 10, 12, 15, 20, 30, 60".into(),
                 });

@@ -12,6 +12,7 @@ mod air;
 mod header;
 mod row;
 
+use crate::text::Message;
 use std::path::Path;
 
 use air::read_air;
@@ -112,7 +113,7 @@ pub(super) fn read(path: &Path, bytes: &[u8], options: &WeatherOptions) -> Resul
         step_min: 60.0 / f64::from(header.records_per_hour),
         stamped_at: StampedAt::End,
         zenith_deg: Vec::new(),
-        warnings: ignored.into_iter().chain(of_no_year).collect(),
+        warnings: ignored.into_iter().chain(of_no_year).map(Message::from).collect(),
     })
 }
 

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use crate::error::{Error, Result};
-use crate::text::excerpt;
+use crate::text::{Message, excerpt};
 use crate::weather::judging::raw_weather::{RawRow, irradiance};
 use crate::weather::time::calendar::Date;
 use crate::weather::time::sun::Interval;
@@ -34,14 +34,14 @@ pub fn read_row(
     odd_minute: &mut Option<(usize, u32)>,
 ) -> Result<RawRow> {
     let cell = |i: usize| cells.get(i).copied().unwrap_or_default();
-    let bad = |name: &str, text: &str, hint: &str| {
+    let bad = |name: &str, text: &str, hint: Message| {
         Error::input(path, line, format!("column `{name}` holds `{}`", excerpt(text, 60)), hint)
     };
     let mut clock = [0_u32; 5];
     let names = ["year", "month", "day", "hour", "minute"];
     for (i, (value, name)) in clock.iter_mut().zip(names).enumerate() {
         let text = cell(i);
-        *value = text.parse().map_err(|_| bad(name, text, "write a whole number"))?;
+        *value = text.parse().map_err(|_| bad(name, text, "write a whole number".into()))?;
     }
     let [year, month, day, hour, minute] = clock;
     // EnergyPlus runs files whose years are 0.
@@ -54,7 +54,7 @@ pub fn read_row(
         return Err(Error::input(path, line, what, "correct year, month or day"));
     };
     if !(1..=24).contains(&hour) {
-        return Err(bad("hour", cell(3), "hours run from 1 to 24"));
+        return Err(bad("hour", cell(3), "hours run from 1 to 24".into()));
     }
     let step = 60 / records_per_hour;
     let minute = match minute {
@@ -68,7 +68,7 @@ pub fn read_row(
         1..=60 if minute % step == 0 => minute,
         _ => {
             let hint = format!("with {records_per_hour} records an hour, minutes are multiples of {step} up to 60");
-            return Err(bad("minute", cell(MINUTE), &hint));
+            return Err(bad("minute", cell(MINUTE), hint.into()));
         }
     };
     let end = (hour - 1) * 60 + minute;
@@ -80,7 +80,7 @@ pub fn read_row(
             return Ok(None);
         }
         let missing = |value| value >= MISSING_RADIATION || codes.contains(&value);
-        irradiance(text, missing, &mut negative, || bad(name, text, "write W/m2 from 0 up, 9999 where missing"))
+        irradiance(text, missing, &mut negative, || bad(name, text, "write W/m2 from 0 up, 9999 where missing".into()))
     };
     let optional = |i: usize, low: f64, high: f64| {
         let value = cell(i).parse::<f64>().ok();

@@ -55,7 +55,7 @@ impl Cells<'_> {
     }
 
     /// Returns an error about a cell in the column of this name.
-    pub fn bad(&self, place: usize, name: &str, hint: &str) -> Error {
+    pub fn bad(&self, place: usize, name: &str, hint: &'static str) -> Error {
         let (name, text) = (excerpt(name, SHOWN), self.text(place));
         Error::input(self.path, self.line, format!("column `{name}` holds `{}`", excerpt(&text, SHOWN)), hint)
     }

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use crate::error::{Error, Result};
-use crate::text::excerpt;
+use crate::text::{Message, excerpt};
 use crate::weather::air::{Air, dew_point_c};
 use crate::weather::formats::weather_csv::cells::{Cells, MISSING_RADIATION, SHOWN, is_code};
 use crate::weather::formats::weather_csv::head::Head;
@@ -102,13 +102,13 @@ struct Candidate<'h> {
 impl Columns {
     /// Finds the columns. `warnings` gets sentences on columns that are left out; those of air are
     /// mentioned only if `with_air`.
-    pub fn read(path: &Path, head: &Head, with_air: bool, warnings: &mut Vec<String>) -> Result<Self> {
+    pub fn read(path: &Path, head: &Head, with_air: bool, warnings: &mut Vec<Message>) -> Result<Self> {
         let mut find = |quantity: Quantity| match find(path, head, quantity) {
             Err(_) if quantity.is_of_air() && !with_air => Ok(None),
             // Few replays need the ground's columns, so a bad one is only left out.
             Err(error) if quantity.is_of_ground() => {
                 let told = error.to_string().replace("\n  to fix: ", ", and the column is left out: ");
-                warnings.push(told);
+                warnings.push(told.into());
                 Ok(None)
             }
             found => found,

@@ -9,7 +9,7 @@ use std::path::Path;
 use csv::{ReaderBuilder, Trim};
 
 use crate::error::{Error, Result};
-use crate::text::excerpt;
+use crate::text::{Message, excerpt};
 use crate::weather::formats::stamp_text::parse_stamp;
 use crate::weather::formats::weather_csv::cells::{NumberStyle, is_missing};
 use crate::weather::formats::weather_csv::names::{Quantity, match_name, squash};
@@ -60,7 +60,7 @@ pub struct Head {
     pub stamped_at: Option<StampedAt>,
     pub style: NumberStyle,
     /// Sentences for the user, each naming the file.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Message>,
     /// Offset of the rows in the file, bytes.
     rows_at: usize,
 }

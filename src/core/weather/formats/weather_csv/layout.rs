@@ -18,7 +18,7 @@
 use std::path::Path;
 
 use crate::error::{Error, Result};
-use crate::text::excerpt;
+use crate::text::{excerpt, message};
 use crate::weather::formats::weather_csv::head::{Head, HeadLine, Kind, checked, split};
 use crate::weather::formats::weather_csv::names::squash;
 use crate::weather::formats::weather_csv::units::{Measure, parse_unit};
@@ -98,7 +98,7 @@ impl Head {
             ONLY_OPEN_METEO.iter().any(|known| name.starts_with(known))
         }) {
             self.kind = Kind::OpenMeteo;
-            self.warnings.push(format!(
+            self.warnings.push(message!(
                 "{}: has the column names of Open-Meteo, whose radiation is a mean over the time before each stamp: \
                  stamps are read as the end of intervals; {{weather_stamp}} states another place",
                 path.display()
@@ -332,7 +332,7 @@ impl Head {
     /// Returns the usual place of a stamp in its interval for the kind of a file. `has_minutes`
     /// says that it has a column of minutes.
     pub fn usual_stamp(&self, path: &Path, has_minutes: bool, instants: bool) -> Result<StampedAt> {
-        let unclear = |what: &str| {
+        let unclear = |what: &'static str| {
             let hint = "state the place of time stamps in their intervals with {weather_stamp} start, middle or end";
             Err(Error::input(path, None, what, hint))
         };

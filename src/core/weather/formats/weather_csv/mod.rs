@@ -29,7 +29,7 @@ use std::path::Path;
 use csv::ByteRecord;
 
 use crate::error::{Error, Result};
-use crate::text::excerpt;
+use crate::text::{Message, excerpt, message};
 use crate::weather::air::Air;
 use crate::weather::formats::date_text::{ColumnOrder, OrderFinder};
 use crate::weather::formats::stamped::{LegalDays, StampedRows, SteppedRows};
@@ -63,8 +63,12 @@ fn read_table(path: &Path, mut head: Head, source: &RowSource, options: &Weather
     let stamps = StampColumns::find(path, &head)?;
     let mut warnings = Vec::new();
     let columns = Columns::read(path, &head, options.with_air, &mut warnings)?;
-    warnings
-        .extend(columns.check_unread(path, &head, |place| stamps.holds(place) || is_time_name(&head.names[place]))?);
+    warnings.extend(
+        columns
+            .check_unread(path, &head, |place| stamps.holds(place) || is_time_name(&head.names[place]))?
+            .into_iter()
+            .map(Message::from),
+    );
     head.warnings.append(&mut warnings);
     let order = order_of(path, &head, &columns, &stamps, source, options)?;
     let moments = MomentReader { columns: &stamps, names: &columns, order };
@@ -326,7 +330,7 @@ impl<'a> Rows<'a> {
         if is_default && let Some((at, add_s)) = stamped.place_by_clock(path, self.zone_hours == Some(0.0))? {
             stamped.stamped_at = at;
             stamped.seconds.iter_mut().for_each(|stamp| *stamp += add_s);
-            by_clock = Some(format!(
+            by_clock = Some(message!(
                 "{}: time stamps stand {}: they are read as the {} of their intervals; {{weather_stamp}} states another \
                  place",
                 path.display(),
@@ -351,11 +355,11 @@ impl<'a> Rows<'a> {
             }
             air.iter_mut().for_each(|air| columns.air_to_watts(air, 60.0 * step_min));
         }
-        let mut warnings: Vec<String> = warning.into_iter().collect();
+        let mut warnings: Vec<Message> = warning.into_iter().map(Message::from).collect();
         warnings.extend(head.warnings.iter().cloned());
-        warnings.extend(columns.odd_numbers(path, &odd));
+        warnings.extend(columns.odd_numbers(path, &odd).into_iter().map(Message::from));
         if self.no_year > 0 {
-            warnings.push(format!(
+            warnings.push(message!(
                 "{}: {} rows state no year and are read as rows of {}; {{year}} puts results into another year",
                 path.display(),
                 self.no_year,
@@ -366,7 +370,7 @@ impl<'a> Rows<'a> {
         let is_default = is_default && !columns.has_all_light() && stamped_at == StampedAt::Start;
         let zenith_deg = if is_default && columns.has_zenith() { self.zenith_deg } else { Vec::new() };
         if is_default && zenith_deg.is_empty() && runs_to_midnight(first_s, last_s, step_min) {
-            warnings.push(format!(
+            warnings.push(message!(
                 "{}: stamps run from the end of the first interval of a day to midnight, as ends of intervals do, \
                  but are read as starts; {{weather_stamp}} end reads them as ends, {{weather_stamp}} start confirms \
                  that they are starts",

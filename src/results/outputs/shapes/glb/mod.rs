@@ -122,7 +122,7 @@ pub fn write(
 fn check_size(rows: &MapRows, path: &Path) -> Result<()> {
     if rows.facts.rows > MOST_PLACES {
         let what = format!("the number of places of {} (write .fgb, or choose fewer receivers)", path.display());
-        return Err(Error::Limit { what, value: rows.facts.rows, max: MOST_PLACES });
+        return Err(Error::Limit { what: what.into(), value: rows.facts.rows, max: MOST_PLACES });
     }
     let least = CORNER_BYTES.saturating_mul(rows.facts.corners);
     if least > u64::from(u32::MAX) { Err(too_large(path, least)) } else { Ok(()) }
@@ -130,7 +130,7 @@ fn check_size(rows: &MapRows, path: &Path) -> Result<()> {
 
 fn too_large(path: &Path, bytes: u64) -> Error {
     let what = format!("the size in bytes of {} (write .fgb, or choose fewer receivers)", path.display());
-    Error::Limit { what, value: bytes, max: u64::from(u32::MAX) }
+    Error::Limit { what: what.into(), value: bytes, max: u64::from(u32::MAX) }
 }
 
 /// Writes the mesh of the map. Each polygon has its own vertices, so that places share none.

@@ -1,0 +1,193 @@
+//! Problems of requests and of tables. In: nothing. Out: their kinds, which a caller tells apart
+//! without reading a text; and the check which fields of a request are filled.
+
+use std::fmt;
+use std::path::PathBuf;
+
+use crate::{Group, GroupKind, Message, Piece, Row};
+
+/// Kind of a problem, with what was found.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub enum Problem {
+    /// None of those below.
+    #[default]
+    Other,
+    /// A field that must be filled is not.
+    Missing,
+    /// A field is filled beside another that excludes it.
+    Excludes {
+        /// Name of the other field.
+        other: String,
+    },
+    /// A field is filled without one that it needs.
+    Needs {
+        /// Names of fields, each of which would do.
+        others: Vec<String>,
+    },
+    /// A text is not of the kind that is read.
+    Unreadable {
+        /// The text.
+        found: String,
+    },
+    /// A number is too small or too large.
+    OutOfRange {
+        /// The number.
+        found: f64,
+        /// Smallest number allowed.
+        least: f64,
+        /// Largest number allowed.
+        most: f64,
+    },
+    /// A name is not known.
+    Unknown {
+        /// The name.
+        found: String,
+        /// Known names.
+        known: Vec<String>,
+    },
+    /// A table lacks a column.
+    NoColumn {
+        /// Name of the column.
+        column: String,
+    },
+    /// A file to write is a file to read, or another one to write.
+    SameFile {
+        /// The other file.
+        other: PathBuf,
+    },
+}
+
+impl Problem {
+    /// Returns the problem of a table that lacks a column.
+    pub fn no_column(column: &str) -> Self {
+        Problem::NoColumn { column: column.to_owned() }
+    }
+
+    /// Returns the problem of a name that is none of those known.
+    pub fn unknown<'a>(found: &str, known: impl IntoIterator<Item = &'a str>) -> Self {
+        Problem::Unknown { found: found.to_owned(), known: known.into_iter().map(str::to_owned).collect() }
+    }
+
+    /// Returns the name of the kind.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Problem::Other => "other",
+            Problem::Missing => "missing",
+            Problem::Excludes { .. } => "excludes",
+            Problem::Needs { .. } => "needs",
+            Problem::Unreadable { .. } => "unreadable",
+            Problem::OutOfRange { .. } => "out-of-range",
+            Problem::Unknown { .. } => "unknown",
+            Problem::NoColumn { .. } => "no-column",
+            Problem::SameFile { .. } => "same-file",
+        }
+    }
+}
+
+/// Reason why a text is not the value of a field.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wrong {
+    /// Kind of the problem.
+    pub problem: Problem,
+    /// Sentence that says what is wrong, and what to give.
+    pub what: String,
+}
+
+impl Wrong {
+    /// Returns the reason for a name that is none of those known.
+    pub fn unknown(found: &str, known: impl IntoIterator<Item = &'static str>) -> Self {
+        let known: Vec<&str> = known.into_iter().collect();
+        let what = format!("`{found}` is not a known value; known values: {}", known.join(", "));
+        Wrong { problem: Problem::unknown(found, known), what }
+    }
+}
+
+impl From<String> for Wrong {
+    fn from(what: String) -> Self {
+        Wrong { problem: Problem::Other, what }
+    }
+}
+
+impl From<&str> for Wrong {
+    fn from(what: &str) -> Self {
+        what.to_owned().into()
+    }
+}
+
+impl fmt::Display for Wrong {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.what)
+    }
+}
+
+impl std::error::Error for Wrong {}
+
+/// Refusal of a request: its field, or several fields; what is wrong; and what to do.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Refused {
+    /// Names of the fields.
+    pub fields: Vec<String>,
+    /// Kind of the problem.
+    pub problem: Problem,
+    /// Description of what is wrong.
+    pub what: Message,
+    /// Advice on what to do; empty if the description says it.
+    pub hint: Message,
+}
+
+/// Checks which fields are filled: those that must be, and those that exclude or need each other.
+pub fn complete(rows: &[Row], groups: &[Group], filled: &[&str]) -> Result<(), Refused> {
+    let refused = |fields: &[&str], problem, what: Message, hint: &'static str| {
+        let fields = fields.iter().map(|&field| field.to_owned()).collect();
+        Err(Refused { fields, problem, what, hint: hint.into() })
+    };
+    let is_filled = |name: &&str| filled.contains(name);
+    let is_known = |name: &&str| rows.iter().any(|row| row.name == *name);
+    let named = |field| Message::new([Piece::Field(field)]);
+    for row in rows {
+        if row.required && !is_filled(&row.name) {
+            return refused(&[row.name], Problem::Missing, "is not given".into(), "give it too");
+        }
+        if !is_filled(&row.name) {
+            continue;
+        }
+        if let Some(other) = row.conflicts.iter().find(|other| is_filled(other) && is_known(other)) {
+            let what = Message::from("does not go together with ").and(named(other));
+            return refused(
+                &[row.name],
+                Problem::Excludes { other: (*other).to_owned() },
+                what,
+                "leave one of the two out",
+            );
+        }
+        let needed: Vec<&'static str> = row.requires.iter().copied().filter(|name| is_known(name)).collect();
+        if !needed.is_empty() && !needed.iter().any(is_filled) {
+            let all = Message::joined(needed.iter().map(|name| named(name)), " or ");
+            let what = Message::from("belongs to ").and(all).and(", which is not given");
+            let others = needed.iter().map(|&name| name.to_owned()).collect();
+            return refused(&[row.name], Problem::Needs { others }, what, "give that too, or leave this out");
+        }
+    }
+    for group in groups {
+        let names: Vec<&'static str> = group.names.iter().copied().filter(|name| is_known(name)).collect();
+        let given: Vec<&'static str> = names.iter().copied().filter(is_filled).collect();
+        let (least, most) = match group.kind {
+            GroupKind::ExactlyOne => (1, 1),
+            GroupKind::AtMostOne => (0, 1),
+            GroupKind::AnyOf => (1, usize::MAX),
+        };
+        if names.len() > 1 && !(least..=most).contains(&given.len()) {
+            let (problem, what, hint) = match given.as_slice() {
+                [_, other, ..] => (
+                    Problem::Excludes { other: (*other).to_owned() },
+                    "only one of them can be given",
+                    "leave the others out",
+                ),
+                _ => (Problem::Missing, "none of them is given", "give one of them"),
+            };
+            return refused(&names, problem, what.into(), hint);
+        }
+    }
+    Ok(())
+}
