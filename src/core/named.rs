@@ -13,11 +13,7 @@ pub trait NamedValues: Clone + Send + Sync + 'static {
 
 /// Returns the value of a name; `argument` is the field that an error names.
 pub fn by_name<T: NamedValues>(argument: &str, name: &str) -> Result<T> {
-    let refuse = |wrong: Wrong| {
-        Error::argument(argument, format!("`{name}` is not a known value"), format!("give one of {}", names::<T>()))
-            .because(wrong.problem)
-    };
-    of_name(name).map_err(refuse)
+    of_name(name).map_err(|wrong: Wrong| Error::argument(argument, wrong.what, wrong.hint).because(wrong.problem))
 }
 
 /// Returns the value of a name, or a sentence that lists the known names.
@@ -26,10 +22,6 @@ pub fn of_name<T: NamedValues>(name: &str) -> std::result::Result<T, Wrong> {
     found
         .map(|(_, _, value)| value.clone())
         .ok_or_else(|| Wrong::unknown(name, T::VALUES.iter().map(|(name, ..)| *name)))
-}
-
-fn names<T: NamedValues>() -> String {
-    T::VALUES.iter().map(|(name, ..)| *name).collect::<Vec<_>>().join(", ")
 }
 
 /// Returns the name of a value.

@@ -397,8 +397,8 @@ pub fn within<T: Number>(
         Ok(number) => Problem::OutOfRange { found: number.as_f64(), least: least.as_f64(), most: most.as_f64() },
         Err(wrong) => wrong.problem,
     };
-    let what = says.map_or_else(|| format!("{text} is not in {least}..={most}"), str::to_owned);
-    Err(Wrong { problem, what })
+    let says = says.map_or_else(|| format!("{text} is not in {least}..={most}"), str::to_owned);
+    Err(Wrong { problem, ..says.into() })
 }
 
 /// Number with a range.
@@ -414,7 +414,7 @@ impl Number for f64 {
 }
 
 fn unreadable(text: &str, what: String) -> Wrong {
-    Wrong { problem: Problem::Unreadable { found: text.to_owned() }, what }
+    Wrong { problem: Problem::Unreadable { found: text.to_owned() }, ..what.into() }
 }
 
 /// How a struct shows the rows of a flattened one. For the derive.
@@ -454,11 +454,10 @@ pub fn groups_under<R: Request>(without: &[&str]) -> Vec<Group> {
 
 /// Fills the fields of a request, each with its texts.
 pub fn filled<R: Request + Default>(given: &[(String, Vec<String>)]) -> Result<R, Refused> {
-    let refused = |field: &str, Wrong { problem, what }: Wrong| Refused {
-        fields: vec![field.to_owned()],
-        problem,
-        what: what.into(),
-        hint: Message::default(),
+    let refused = |field: &str, Wrong { problem, what, hint }: Wrong| {
+        let or = |text: String, usual: &'static str| if text.is_empty() { usual.into() } else { Message::from(text) };
+        let (what, hint) = (or(what, "cannot be used"), or(hint, "give another value"));
+        Refused { fields: vec![field.to_owned()], problem, what, hint }
     };
     let mut request = R::default();
     for (name, texts) in given {
@@ -466,7 +465,7 @@ pub fn filled<R: Request + Default>(given: &[(String, Vec<String>)]) -> Result<R
             Ok(true) => {}
             Ok(false) => {
                 let problem = Problem::unknown(name, R::rows().iter().map(|row| row.name));
-                return Err(refused(name, Wrong { problem, what: "there is no such option".to_owned() }));
+                return Err(refused(name, Wrong { problem, ..Wrong::from("there is no such option") }));
             }
             Err(wrong) => return Err(refused(name, wrong)),
         }

@@ -90,22 +90,30 @@ impl Problem {
 pub struct Wrong {
     /// Kind of the problem.
     pub problem: Problem,
-    /// Sentence that says what is wrong, and what to give.
+    /// Description of what is wrong; empty if the advice says it.
     pub what: String,
+    /// Advice on what to give; empty if there is none.
+    pub hint: String,
 }
 
 impl Wrong {
     /// Returns the reason for a name that is none of those known.
     pub fn unknown(found: &str, known: impl IntoIterator<Item = &'static str>) -> Self {
         let known: Vec<&str> = known.into_iter().collect();
-        let what = format!("`{found}` is not a known value; known values: {}", known.join(", "));
-        Wrong { problem: Problem::unknown(found, known), what }
+        let hint = format!("give one of {}", known.join(", "));
+        Wrong { problem: Problem::unknown(found, known), what: format!("`{found}` is not a known value"), hint }
     }
 }
 
+/// A sentence of the form `it is 3: give 1 or 2`, or a part of it.
 impl From<String> for Wrong {
-    fn from(what: String) -> Self {
-        Wrong { problem: Problem::Other, what }
+    fn from(text: String) -> Self {
+        let (what, hint) = match text.split_once(": give ") {
+            Some((what, advice)) => (what.to_owned(), format!("give {advice}")),
+            None if text.starts_with("give ") => (String::new(), text),
+            None => (text, String::new()),
+        };
+        Wrong { problem: Problem::Other, what, hint }
     }
 }
 
@@ -117,7 +125,8 @@ impl From<&str> for Wrong {
 
 impl fmt::Display for Wrong {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.what)
+        let between = if self.what.is_empty() || self.hint.is_empty() { "" } else { ": " };
+        write!(f, "{}{between}{}", self.what, self.hint)
     }
 }
 

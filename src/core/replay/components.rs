@@ -371,7 +371,7 @@ impl FromStr for ComponentList {
                 }
                 let names: Vec<&str> = known().map(Component::name).collect();
                 let what = format!("`{part}` is not a known column; known columns: {}", names.join(", "));
-                return Err(Wrong { problem: Problem::unknown(part, names), what });
+                return Err(Wrong { problem: Problem::unknown(part, names), ..what.into() });
             };
             if list.contains(&component) {
                 return Err(format!("`{}` is named twice", component.name()).into());

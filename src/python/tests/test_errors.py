@@ -74,8 +74,9 @@ def test_wrong_conditions_name_their_column(site: heliotile.Archive, change: dic
 
 def test_missing_columns_are_named(site: heliotile.Archive) -> None:
     """A column that is missing is named, with those that are needed."""
-    with pytest.raises(heliotile.InputError, match="column `dni_w_m2` is missing from the header"):
+    with pytest.raises(heliotile.InputError, match="column `dni_w_m2` is missing from the header") as found:
         site.query({name: values for name, values in SUN.items() if name != "dni_w_m2"})
+    assert (found.value.problem, found.value.column) == ("no-column", "dni_w_m2")
     with pytest.raises(heliotile.InputError, match="give a path, a DataFrame or a mapping"):
         site.query([1, 2, 3])
 

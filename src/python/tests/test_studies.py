@@ -43,8 +43,9 @@ def test_pv_is_the_programs(tmp_path: Path) -> None:
     for name in ["points.csv", "months.csv", "hourly.csv", "site.helio"]:
         assert (tmp_path / "program" / name).read_bytes() == (tmp_path / "python" / name).read_bytes(), name
     assert "south" in done.table
-    with pytest.raises(heliotile.ArgumentError, match="bifaciality: .*\n  to fix: give a share from 0 to 1"):
+    with pytest.raises(heliotile.ArgumentError, match="bifaciality: .*\n  to fix: give a share from 0 to 1") as found:
         heliotile.pv(scene, DAYS, tmp_path / "wrong", points=points, bifaciality=7)
+    assert (found.value.problem, found.value.found, found.value.range) == ("out-of-range", 7.0, (0.0, 1.0))
     assert not (tmp_path / "wrong").exists()
 
 

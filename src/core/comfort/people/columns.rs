@@ -63,7 +63,7 @@ impl FromStr for ComfortColumn {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        of_name(text).map_err(|wrong| wrong.what)
+        of_name(text).map_err(|wrong| wrong.to_string())
     }
 }
 
