@@ -108,9 +108,8 @@ pub use heliotile_scene::site::SceneFiles;
 pub use heliotile_scene::{ModelVersion, Scene, SurfaceRasters};
 pub use site::{ReceiverTotal, Site, SiteOptions, SiteReplay};
 
-/// Archives as files: blocks, stores of layers, transfers between archives.
+/// Archives as files: blocks, transfers between archives.
 pub mod archive {
-    pub use heliotile_builder::store::{Folder, Store};
     pub use heliotile_builder::transfer;
     pub use heliotile_builder::transfer::{Assembled, LayeredReceiver};
     pub use heliotile_core::archive::accuracy::Accuracy;
@@ -176,11 +175,6 @@ pub mod output {
     pub use heliotile_results::run::folder_beside;
 }
 
-/// Charts.
-pub mod plot {
-    pub use heliotile_results::outputs::pictures::plot::{Axis, Plot, Series, Style};
-}
-
 /// Addresses in object stores.
 pub mod remote {
     pub use heliotile_remote::naming::{is_address, shown};
@@ -206,14 +200,12 @@ pub mod text {
     pub use heliotile_core::text::{Message, Named, counted, excerpt, message, with_list, without_secrets};
 }
 
-/// Tracing: plans, conditions of accuracy, studies of the tracer.
+/// Tracing: plans, conditions of accuracy.
 pub mod tracing {
     pub use heliotile_builder::accuracy::conditions::ErrorConditions;
     pub use heliotile_builder::pipeline::Workspace;
     pub use heliotile_builder::planning::tables::in_hours;
     pub use heliotile_builder::planning::{PREVIEWS, tables};
-    pub use heliotile_builder::study::mapping::{HemisphereMapping, MappedRay};
-    pub use heliotile_builder::study::wall::Wall;
     pub use heliotile_builder::trace::Tracer;
     pub use heliotile_builder::trace::canopy::in_hulls;
     pub use heliotile_builder::trace::placement::Placement;

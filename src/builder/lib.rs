@@ -4,7 +4,7 @@
 //!
 //! ```text
 //! settings spill receiver_tiles held | trace | writing pack | pipeline | accuracy | planning
-//! | reference siting | transfer store study
+//! | reference siting | transfer
 //! ```
 //!
 //! | module | in | out |
@@ -19,7 +19,6 @@
 //! | [`siting`] | a prepared scene, points in it | the ground below a point, a test whether it is inside a solid, its horizon |
 //! | [`held`] | an archive | the triangles, materials, objects and receivers that it was traced from |
 //! | [`transfer`] | archives | parts, unions and differences of archives, without casting a ray |
-//! | [`store`] | finished archives | the archives that a build can reuse |
 //!
 //! # What never happens
 //!
@@ -55,8 +54,6 @@ pub mod reference;
 pub mod settings;
 pub mod siting;
 pub mod spill;
-pub mod store;
-pub mod study;
 pub mod trace;
 pub mod transfer;
 pub mod writing;

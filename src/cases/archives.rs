@@ -60,7 +60,7 @@ pub struct Catalogue {
     pub request: CatalogueRequest,
 }
 
-/// Request of `find`.
+/// Request of `atlas find`.
 #[derive(Clone, Debug, Default, Request)]
 pub struct Find {
     /// Folder of the atlas, or its address.
@@ -74,7 +74,7 @@ pub struct Find {
 
 /// Request of `info`.
 #[derive(Clone, Debug, Default, Request)]
-#[request(any_of("files", "dsm", "dem", "canopy", "landcover", "weather"))]
+#[request(any_of("files", "dsm", "dem", "canopy", "landcover", "weather", "rule"))]
 pub struct Info {
     /// Archive or atlas to describe (a path or an address), or scene files as for `build`.
     #[field(metavar = "SITE.helio|SCENE", input = SceneOrArchive, positional)]
@@ -82,6 +82,10 @@ pub struct Info {
     /// Weather file to describe: its place, clock and irradiation by month as `replay` reads them.
     #[field(short = 'w', conflicts("files", "dsm", "dem"), metavar = "FILE", input = Weather)]
     pub weather: Option<PathBuf>,
+    /// Rule whose file is printed, to be copied and changed, or `all` to list those that `sunlight`
+    /// and `glare` can check.
+    #[field(metavar = "NAME", conflicts("files", "dsm", "dem", "weather"))]
+    pub rule: Option<String>,
     /// Statements about scene files.
     #[field(flatten, without("scene", "grid_north"))]
     pub scene: SceneRequest,

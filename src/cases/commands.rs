@@ -12,7 +12,7 @@ use super::*;
 /// A command: a request that a user can make.
 #[derive(Clone, Copy, Debug)]
 pub struct Command {
-    /// Name of the command.
+    /// Name of the command: a word, or two if it belongs to a group.
     pub name: &'static str,
     /// Its purpose in a sentence.
     pub about: &'static str,
@@ -48,10 +48,16 @@ impl Aim {
         (Aim::Start, "Start: from files of a site to results"),
         (Aim::Ask, "Ask: light of a site that is traced"),
         (Aim::Check, "Check: what files hold, and what accuracy costs"),
-        (Aim::Share, "Share: archives and pages for others"),
-        (Aim::Large, "Large sites: parts that are built one by one, caches of traces"),
+        (Aim::Share, "Share: pages and archives for others"),
+        (Aim::Large, "Large sites: parts that are built one by one"),
     ];
 }
+
+/// Names that several commands begin with, and what these do.
+pub const GROUPS: [(&str, &str); 2] = [
+    ("archive", "Verify, audit, repair, extract, merge, compare (diff) and copy archives"),
+    ("atlas", "Cut a region into parts, find them, and list them in a catalogue"),
+];
 
 macro_rules! commands {
     ($(($name:literal, $request:ty, $aim:ident, $about:literal)),+ $(,)?) => {
@@ -101,19 +107,17 @@ commands![
     ),
     ("build", Build, Start, "Trace once what every receiver of a scene sees, and store it in an archive"),
     (
-        "plan",
-        Plan,
-        Start,
-        "Forecast the rays and seconds of a build, and the light that is lost if a light path is left out"
-    ),
-    (
         "update",
         Update,
         Start,
         "Edit the scene of an archive: add, remove, move, raise or repaint objects. Only light that the edits can alter is traced again"
     ),
-    ("query", Query, Ask, "Compute the irradiance of every receiver under the suns and skies of a table"),
-    ("replay", Replay, Ask, "Compute the irradiance of every receiver through a weather file, by hour or as sums"),
+    (
+        "replay",
+        Replay,
+        Ask,
+        "Compute the irradiance of every receiver through a weather file, by hour or as sums, or under given suns and skies"
+    ),
     (
         "compare",
         Compare,
@@ -139,7 +143,7 @@ commands![
         "Compute thermal comfort of people outdoors: mean radiant temperature, UTCI and PET at points of a site, by hour or over periods"
     ),
     (
-        "factors",
+        "energyplus factors",
         Factors,
         Ask,
         "Compute EnergyPlus's reflection factors: the light that surroundings reflect to receivers or surfaces, by position of the sun"
@@ -151,13 +155,12 @@ commands![
         "Write a solar cadastre of buildings and roof faces: usable area, sums by orientation, best usable region"
     ),
     ("places", Places, Ask, "Find the best places for modules on roofs and facades, as points that `pv` reads"),
-    ("rules", Rules, Ask, "List the rules that `sunlight` and `glare` can check"),
-    ("info", Info, Check, "Describe an archive, an atlas or scene files"),
-    ("verify", VerifyRequest, Check, "Check every block of an archive; exit code 1 if one is damaged"),
+    ("info", Info, Check, "Describe an archive, an atlas, scene files, a weather file or a rule"),
+    ("archive verify", VerifyRequest, Share, "Check every block of an archive; exit code 1 if one is damaged"),
     (
-        "audit",
+        "archive audit",
         Audit,
-        Check,
+        Share,
         "Check an archive against an independent reference path tracer for random receivers and hours; exit code 1 if the error is larger than the archive states"
     ),
     (
@@ -166,8 +169,8 @@ commands![
         Check,
         "Measure the time and error of each accuracy level on some receivers of a site, as tables, pictures and a page"
     ),
-    ("diff", Diff, Check, "List the differences of two archives; exit code 1 if they differ"),
-    ("repair", Repair, Check, "Trace the damaged parts of an archive again"),
+    ("archive diff", Diff, Share, "List the differences of two archives; exit code 1 if they differ"),
+    ("archive repair", Repair, Share, "Trace the damaged parts of an archive again"),
     (
         "view",
         View,
@@ -180,23 +183,32 @@ commands![
         Share,
         "Export what a receiver sees as images, view factors of all receivers as a table, or a page that shows the archive"
     ),
-    ("extract", Extract, Share, "Write some receivers of an archive into a new archive"),
-    ("merge", Merge, Share, "Write the union of two archives of one scene"),
-    ("copy", Copy, Share, "Copy an archive or an atlas to or from an object store, or from a web server"),
+    ("archive extract", Extract, Share, "Write some receivers of an archive into a new archive"),
+    ("archive merge", Merge, Share, "Write the union of two archives of one scene"),
+    ("archive copy", Copy, Share, "Copy an archive or an atlas to or from an object store, or from a web server"),
     (
-        "partition",
+        "atlas partition",
         PartitionRequest,
         Large,
         "Cut a region into parts (an atlas) that are built one by one, on any machines, and then queried like one archive"
     ),
-    ("find", Find, Large, "List the parts of an atlas that touch a box"),
-    ("catalogue", Catalogue, Large, "Write a static STAC catalogue of the parts of an atlas, with pictures and a page"),
+    (
+        "atlas catalogue",
+        Catalogue,
+        Large,
+        "Write a static STAC catalogue of the parts of an atlas, with pictures and a page"
+    ),
 ];
 
 impl Command {
     /// Returns the command of a name.
     pub fn of(name: &str) -> Option<&'static Command> {
         COMMANDS.iter().find(|command| command.name == name)
+    }
+
+    /// Returns the last word of the name, which no other command has.
+    pub fn last_word(&self) -> &'static str {
+        self.name.rsplit(' ').next().unwrap_or(self.name)
     }
 }
 
@@ -216,7 +228,7 @@ mod tests {
         R::rows().iter().filter(|row| is_odd(row)).map(|row| format!("{command} {}", row.name)).collect()
     }
 
-    /// Defaults that faces show are those of the requests: of all fields of 31 commands none
+    /// Defaults that faces show are those of the requests: of all fields of 27 commands none
     /// differs.
     #[test]
     fn stated_defaults_are_those_of_requests() {

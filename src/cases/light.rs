@@ -3,36 +3,83 @@
 use heliotile_core::text::Message;
 use std::path::{Path, PathBuf};
 
+use heliotile_atlas::{ExportRequest, SunPosition};
 use heliotile_builder::spill::parse_memory;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::replay::components::{Component, ComponentList};
+use heliotile_core::weather::conditions::Condition;
 use heliotile_requests::Request;
 use heliotile_results::outputs::tables::format::table_help;
 use heliotile_results::run::folder_beside;
 use heliotile_results::{
-    BuildingsRequest, ComfortRequest, ComfortSiteRequest, CompareRequest, Every, FactorsRequest, FileRequest,
-    GlareChoice, Illumination, LightChoice, PlacesRequest, QueryRequest, ReplayRequest, Resources, SunlightRequest,
+    BuildingsRequest, ComfortRequest, ComfortSiteRequest, CompareRequest, ConditionSource, Every, FactorsRequest,
+    FileRequest, GlareChoice, Illumination, LightChoice, PlacesRequest, QueryRequest, ReplayRequest, Resources,
+    SunlightRequest,
 };
 
 use super::{SelectionRequest, SiteRequest};
 use crate::site::Site;
 
-/// Request of `query`.
+/// Light under which a site is seen: a weather file, a table of suns and skies, or one of them.
 #[derive(Clone, Debug, Default, Request)]
-pub struct Query {
-    /// Archive that is asked.
-    #[field(flatten)]
-    pub site: SiteRequest,
-    /// Files to write.
-    #[field(flatten, without("model", "honeybee"))]
-    pub files: FileRequest,
-    /// Receivers that count.
-    #[field(flatten)]
-    pub receivers: SelectionRequest,
-    /// Suns and skies, and the light that counts.
-    #[field(flatten)]
-    pub request: QueryRequest,
+#[request(exactly_one("weather", "conditions", "sun"))]
+pub struct UnderRequest {
+    /// Weather file: EPW, TMY3, WEA, SURFRAD, CSV or JSON of a service (NSRDB, PVGIS, Open-Meteo,
+    /// Solcast), or any CSV or JSON with `time` and some of ghi, dni, dhi; also packed (.gz, .zip).
+    #[field(short = 'w', input = Weather)]
+    pub weather: Option<PathBuf>,
+    /// Table of suns and skies in place of weather, CSV:
+    /// condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2; azimuths are clockwise from
+    /// true north.
+    #[field(short = 'c', input = Conditions, conflicts("every", "stamp", "year", "from", "to", "steps", "snow", "snow_reflectance", "temperature"))]
+    pub conditions: Option<PathBuf>,
+    /// Azimuth (clockwise from true north) and altitude of one sun in place of weather, degrees.
+    #[field(
+        metavar = "AZIMUTH,ALTITUDE",
+        hyphen,
+        conflicts("every", "stamp", "year", "from", "to", "steps", "snow", "snow_reflectance", "temperature")
+    )]
+    pub sun: Option<SunPosition>,
+    /// Direct normal irradiance of that sun, W/m2.
+    #[field(metavar = "W/M2", default = 0.0, requires("sun"), range = 0.0..=ExportRequest::MOST_W_M2, says = "give a number from 0 to 1000000, W/m2")]
+    pub dni_w_m2: f64,
+    /// Diffuse horizontal irradiance of the sky around it, W/m2.
+    #[field(metavar = "W/M2", default = 0.0, requires("sun"), range = 0.0..=ExportRequest::MOST_W_M2, says = "give a number from 0 to 1000000, W/m2")]
+    pub dhi_w_m2: f64,
+}
+
+impl UnderRequest {
+    /// Returns the light, with the choices of a replay.
+    ///
+    /// # Errors
+    /// No light is given, or a sun and a sky without irradiance.
+    pub fn illumination(&self, replay: &ReplayRequest) -> Result<Illumination> {
+        let query = |conditions: ConditionSource| {
+            Illumination::Conditions(Box::new(QueryRequest { light: replay.light.clone(), conditions }))
+        };
+        match (&self.weather, &self.conditions, self.sun) {
+            (Some(weather), ..) => {
+                let replay = ReplayRequest { weather: weather.clone(), ..replay.clone() };
+                Ok(Illumination::Weather(Box::new(replay)))
+            }
+            (None, Some(conditions), _) => Ok(query(conditions.clone().into())),
+            (None, None, Some(sun)) => {
+                let (dni, dhi, toward) = (self.dni_w_m2, self.dhi_w_m2, sun.direction());
+                if dni + dhi <= 0.0 {
+                    return Err(Error::argument(
+                        "dni, dhi",
+                        "are 0: the sun and the sky give no light",
+                        "give one of them",
+                    ));
+                }
+                Ok(query(vec![Condition::new("sun".to_owned(), &[toward], toward, dni, dhi)].into()))
+            }
+            (None, None, None) => {
+                Err(Error::argument("weather, conditions, sun", "none of them is given", "give one of them"))
+            }
+        }
+    }
 }
 
 /// Request of `replay`.
@@ -47,14 +94,23 @@ pub struct Replay {
     /// Receivers that count.
     #[field(flatten)]
     pub receivers: SelectionRequest,
-    /// Weather, and the light that counts.
+    /// Weather, or suns and skies.
     #[field(flatten)]
+    pub under: UnderRequest,
+    /// Hours, and the light that counts.
+    #[field(flatten, without("weather"))]
     pub request: ReplayRequest,
+}
+
+impl Replay {
+    /// Returns the light under which the site is seen.
+    pub fn under(&self) -> Result<Illumination> {
+        self.under.illumination(&self.request)
+    }
 }
 
 /// Request of `compare`.
 #[derive(Clone, Debug, Request)]
-#[request(exactly_one("weather", "conditions"))]
 pub struct Compare {
     /// Site before the change.
     #[field(flatten)]
@@ -68,12 +124,9 @@ pub struct Compare {
     /// Receivers that count.
     #[field(flatten)]
     pub receivers: SelectionRequest,
-    /// Weather file, as for `replay`.
-    #[field(short = 'w', input = Weather)]
-    pub weather: Option<PathBuf>,
-    /// Table of suns and skies in place of weather, as for `query`.
-    #[field(short = 'c', input = Conditions, conflicts("every", "stamp", "year", "from", "to", "steps", "snow", "snow_reflectance", "temperature"))]
-    pub conditions: Option<PathBuf>,
+    /// Weather, or suns and skies.
+    #[field(flatten)]
+    pub under: UnderRequest,
     /// Hours, and the light that counts.
     #[field(flatten, without("weather"), defaults("every", "total"))]
     pub request: ReplayRequest,
@@ -213,14 +266,6 @@ pub struct PeopleOfSite {
     pub memory: MemoryBudget,
 }
 
-/// Request of `rules`.
-#[derive(Clone, Debug, Default, Request)]
-pub struct Rules {
-    /// Rule whose file is printed, to be copied and changed [default: list all rules].
-    #[field(positional)]
-    pub name: Option<String>,
-}
-
 fn summary_help() -> Message {
     table_help(
         "Table to write with a row for each AFTER: means, and how many receivers, windows and buildings lose more than 5, 10 and 20 %",
@@ -238,8 +283,7 @@ impl Default for Compare {
             after: Vec::new(),
             files: FileRequest::default(),
             receivers: SelectionRequest::default(),
-            weather: None,
-            conditions: None,
+            under: UnderRequest::default(),
             request: ReplayRequest { every: Every::Total, ..ReplayRequest::default() },
             summary: None,
             unmatched: None,
@@ -251,18 +295,9 @@ impl Compare {
     /// Returns the request of the library.
     ///
     /// # Errors
-    /// Neither weather nor conditions are named.
+    /// No light is given.
     pub fn request(&self) -> Result<CompareRequest> {
-        let request = self.request.clone();
-        let under = match (self.weather.clone(), self.conditions.clone()) {
-            (Some(weather), _) => Illumination::Weather(Box::new(ReplayRequest { weather, ..request })),
-            (None, Some(conditions)) => {
-                Illumination::Conditions(Box::new(QueryRequest { light: request.light, conditions: conditions.into() }))
-            }
-            (None, None) => {
-                return Err(Error::argument("weather, conditions", "none of them is given", "give one of them"));
-            }
-        };
+        let under = self.under.illumination(&self.request)?;
         let (after, summary, unmatched) = (self.after.clone(), self.summary.clone(), self.unmatched.clone());
         Ok(CompareRequest { after, under, summary, unmatched })
     }

@@ -23,7 +23,7 @@ use heliotile_results::{Provenance, ReceiverChoice};
 use crate::site::{Site, SiteOptions};
 
 pub use archives::*;
-pub use commands::{Aim, COMMANDS, Command};
+pub use commands::{Aim, COMMANDS, Command, GROUPS};
 pub use filled::{Given, Prepared, prepared, stated};
 pub use light::*;
 pub use ready::claim_folder;

@@ -191,7 +191,6 @@ pub struct Build {
             "negligible",
             "preview",
             "weather",
-            "store",
             "no_scene",
             "error",
             "set",
@@ -200,6 +199,10 @@ pub struct Build {
         )
     )]
     pub part: Option<String>,
+    /// Only forecast rays and seconds, and with --weather the light that each light path adds:
+    /// nothing is traced, and no file is written.
+    #[field(neutral, conflicts("part", "from"))]
+    pub dry_run: bool,
     /// Seconds between checkpoints: a crash loses no more work than this.
     #[field(metavar = "SECONDS", default = 30, neutral, range = 0..=u32::MAX, says = "give whole seconds from 0 (a checkpoint whenever something is written) to 4294967295")]
     pub checkpoint: Option<u32>,
@@ -218,13 +221,10 @@ pub struct Build {
     /// group of receivers, such as 0.5%.
     #[field(metavar = "PERCENT", requires("weather"), conflicts("effects"), parse = parse_negligible)]
     pub negligible_percent: Option<f64>,
-    /// Weather file of --negligible: light paths are left out by what they add under it.
-    #[field(short = 'w', metavar = "FILE", requires("negligible"), input = Weather)]
+    /// Weather file of --negligible: light paths are left out by what they add under it; with
+    /// --dry-run, what each of them adds is printed.
+    #[field(short = 'w', metavar = "FILE", requires("negligible", "dry_run"), input = Weather)]
     pub weather: Option<PathBuf>,
-    /// Cache folder with traces of earlier builds of any project: what it holds is not traced
-    /// again, and the traces of this build are added.
-    #[field(metavar = "FOLDER", output = SharedFolder)]
-    pub store: Option<PathBuf>,
     /// Archive of this scene before a change, or with --part an atlas of it; a path or an address.
     /// Only light that the change can alter is traced; the new archive has the same bytes as
     /// without this option.
@@ -243,45 +243,6 @@ pub struct Build {
     pub accuracy: AccuracyRequest,
     /// Memory to work in, such as 512MiB or 2GiB; what does not fit goes to temporary files beside
     /// the archive.
-    #[field(default = "4GiB", parse = parse_memory, neutral)]
-    pub memory: MemoryBudget,
-    /// Facts about the weather files.
-    #[field(
-        flatten,
-        without("latitude", "longitude"),
-        heading = "About the weather file",
-        needs("weather", "error_weather")
-    )]
-    pub about_weather: WeatherOptions,
-}
-
-/// Request of `plan`.
-#[derive(Clone, Debug, Default, Request)]
-pub struct Plan {
-    /// Scene to trace.
-    #[field(flatten)]
-    pub scene: SceneRequest,
-    /// Table of receivers, CSV with columns receiver,x,y,z, tilt_deg,azimuth_deg (from true north)
-    /// or nx,ny,nz, and optionally area_m2,surface; height (above the roof or ground below) may
-    /// stand for z.
-    #[field(short = 'r', input = Receivers, required)]
-    pub receivers: PathBuf,
-    /// Light paths to trace besides direct sun and sky: `auto` (those that can matter in the
-    /// scene), `all`, `none`, or some of diffuse, bounces, mirrors, canopies, leaves.
-    #[field(metavar = "LIST", default = EffectChoice::Auto)]
-    pub effects: EffectChoice,
-    /// Weather file under which to print also the light that each light path adds, by group of
-    /// receivers.
-    #[field(short = 'w', metavar = "FILE", input = Weather)]
-    pub weather: Option<PathBuf>,
-    /// Leave out light paths that add no more than this share of the sum over --weather, in any
-    /// group of receivers, such as 0.5%.
-    #[field(metavar = "PERCENT", requires("weather"), conflicts("effects"), parse = parse_negligible)]
-    pub negligible_percent: Option<f64>,
-    /// Accuracy of the archive.
-    #[field(flatten)]
-    pub accuracy: AccuracyRequest,
-    /// Memory to work in, such as 512MiB or 2GiB.
     #[field(default = "4GiB", parse = parse_memory, neutral)]
     pub memory: MemoryBudget,
     /// Facts about the weather files.

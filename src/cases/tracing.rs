@@ -17,7 +17,7 @@ use heliotile_results::site_build::check_output;
 use heliotile_scene::Scene;
 use heliotile_scene::points::receivers::ReceiverCsv;
 
-use super::{Build, Plan};
+use super::Build;
 
 /// Forecast of a build.
 pub struct Planned {
@@ -42,6 +42,11 @@ impl Build {
         ];
         check_output(output, &self.scene.site()?, &inputs)?;
         Ok((output, receivers))
+    }
+
+    /// Returns the table of receivers.
+    pub fn receivers(&self) -> Result<&Path> {
+        self.receivers.as_deref().ok_or_else(|| self.unnamed())
     }
 
     /// Returns the error of a build that names no receivers or no archive.
@@ -91,7 +96,6 @@ impl Build {
             under: effects_under(weighed_under.as_ref(), self.negligible_percent),
             effects: self.effects,
             with_scene: !self.no_scene,
-            store: self.store.as_deref(),
             from: self.from.as_deref(),
             preview_percent: self.preview_percent,
             memory: self.memory,
@@ -99,14 +103,13 @@ impl Build {
         };
         build.build(&output, observer)
     }
-}
 
-impl Plan {
     /// Forecasts the build of the scene of this request and of receivers.
     pub fn forecast(&self, scene: &Scene, receivers: ReceiverCsv, observer: &dyn Observer) -> Result<Planned> {
         let weighed_under = weighed_under(self.weather.as_deref(), &self.about_weather, scene, observer)?;
         let accuracy = self.accuracy.beside(self.weather.as_deref(), &self.about_weather);
         let build = SiteBuild {
+            share: self.share,
             under: effects_under(weighed_under.as_ref(), self.negligible_percent),
             effects: self.effects,
             memory: self.memory,

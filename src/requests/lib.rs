@@ -160,8 +160,6 @@ pub enum OutputKind {
     File,
     /// Folder of one run, with names of tables that it writes there.
     Folder(&'static [&'static str]),
-    /// Folder that several runs may write into.
-    SharedFolder,
 }
 
 /// Number of values of a field.

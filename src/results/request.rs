@@ -187,7 +187,7 @@ pub struct ReplayRequest {
     pub weather: PathBuf,
     /// Facts about the file that it does not state itself. Air is read if the columns need it,
     /// whatever stands here.
-    #[field(flatten, heading = "About the weather file")]
+    #[field(flatten, heading = "About the weather file", needs("weather"))]
     pub about_weather: WeatherOptions,
     /// Period of a row: means in W/m2 of hours, sums in kWh/m2 of longer periods.
     #[field(default = "hour")]

@@ -16,7 +16,6 @@ use heliotile_builder::pipeline::{Build, Output, PreparedScene, Start, Workspace
 use heliotile_builder::planning::{AccuracyRequest, BuildDone, BuildRequest, EffectsUnder, PlanReport};
 use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_builder::settings::{BuildSettings, EffectChoice, Effects, Share};
-use heliotile_builder::store::Folder;
 use heliotile_builder::writing::copy::folder_of;
 use heliotile_builder::writing::guards::{check_archive_name, guard_archive, guard_site};
 use heliotile_core::archive::format::TileNumber;
@@ -100,8 +99,6 @@ pub struct SiteBuild<'a> {
     /// Largest change, percent of the light on open ground, that is left untraced; the archive is
     /// then a preview.
     pub preview_percent: Option<f64>,
-    /// Folder of traced layers that builds share.
-    pub store: Option<&'a Path>,
     /// Memory for all that a build holds besides the scene and its tree.
     pub memory: MemoryBudget,
 }
@@ -187,7 +184,6 @@ impl<'a> SiteBuild<'a> {
             with_scene: true,
             from: None,
             preview_percent: None,
-            store: None,
             memory: MemoryBudget::DEFAULT,
         }
     }
@@ -199,7 +195,6 @@ impl<'a> SiteBuild<'a> {
             effects: self.effects,
             under: self.under,
             with_scene: self.with_scene,
-            store: self.store.map(Folder::create).transpose()?,
             from: before,
             preview_percent: self.preview_percent,
         })

@@ -369,16 +369,12 @@ impl Pile {
             .iter()
             .find(|other| (ModelGround { elevation_m: ground.elevation_m, ..other.ground.clone() }) != *ground)
         {
-            report.warnings.push(
-                format!(
-                    "the ground of {} {}, but that of {} {}; the first one is used",
-                    file.display(),
-                    ground.words(),
-                    other.file.display(),
-                    other.ground.words()
-                )
-                .into(),
-            );
+            let (first, second) = (file.display(), other.file.display());
+            report.warnings.push(message!(
+                "the ground of {first} {}, but that of {second} {}; the first one is used",
+                ground.words(),
+                other.ground.words()
+            ));
         }
         if found {
             report.notes.push(format!("ground: the scene's own, not the plane of {}", file.display()).into());

@@ -73,7 +73,7 @@ fn targets_are_kept() {
     let info = stdout(&folder.run("info 1.helio"));
     assert!(info.contains("RMSE of hourly totals; target 1 %") && info.contains("tile 0 (40 receivers): "), "{info}");
     folder.write("some.csv", "receiver\nr1\nr2\n");
-    assert_eq!(folder.run("extract 1.helio -r some.csv -o some.helio").status.code(), Some(0));
+    assert_eq!(folder.run("archive extract 1.helio -r some.csv -o some.helio").status.code(), Some(0));
     let some = Archive::open(&folder.path("some.helio")).expect("an archive").manifest().accuracy.clone();
     let some = some.expect("an estimate");
     assert!(some.tiles.is_empty() && some.rmse_percent > 0.0);
@@ -94,7 +94,7 @@ fn stated_errors_hold_in_hours_without_direct_sun() {
     assert!(shaded.share_percent > 10.0 && shaded.mean_w_m2 < stated.mean_w_m2 && shaded.receivers > 20, "{stated:?}");
     // Reflected light is off by no more than the total may be.
     assert!(shaded.reflected_w_m2 <= 0.02 * stated.mean_w_m2 && shaded.rmse_w_m2 > 0.0, "{stated:?}");
-    let audit = folder.run(&format!("audit site.helio {inputs} --samples 40 --paths 4096 --seed 5"));
+    let audit = folder.run(&format!("archive audit site.helio {inputs} --samples 40 --paths 4096 --seed 5"));
     let said = stdout(&audit);
     assert_eq!(audit.status.code(), Some(0), "{said}");
     let row = said.lines().find(|line| line.starts_with("no direct sun")).expect("a row");
@@ -170,7 +170,10 @@ fn wrong_accuracy_requests_are_refused() {
     folder.refused("tradeoff scene.obj -m materials.toml -r receivers.csv -o scene.obj", &["scene.obj"]);
     folder.refused("tradeoff scene.obj -m materials.toml -r no.csv -o report", &["no.csv"]);
     folder.refused(&format!("{build} --shift 30min"), &["--error-weather <FILE>"]);
-    folder.refused("plan scene.obj -r receivers.csv --error 2% --time-zone +01:00", &["--error-weather <FILE>"]);
+    folder.refused(
+        "build --dry-run scene.obj -r receivers.csv --error 2% --time-zone +01:00",
+        &["--error-weather <FILE>"],
+    );
     folder.refused("tradeoff scene.obj -r receivers.csv -o report --weather-stamp end", &["--weather <WEATHER>"]);
     assert!(!folder.path("x.helio").exists() && !folder.path("report").exists());
 }

@@ -8,8 +8,8 @@ fn unusable_addresses_name_a_command_that_fits() {
     let folder = Folder::new();
     folder.refused(
         "replay s3://b/site.helio --weather s3://b/x.epw",
-        &["only archives are read from addresses", "heliotile copy"],
+        &["only archives are read from addresses", "heliotile archive copy"],
     );
-    folder.refused("merge a.helio b.helio -o s3://b/c.helio", &["only `copy` writes to addresses"]);
-    folder.refused("copy a.helio b.helio", &["a.helio"]);
+    folder.refused("archive merge a.helio b.helio -o s3://b/c.helio", &["only `copy` writes to addresses"]);
+    folder.refused("archive copy a.helio b.helio", &["a.helio"]);
 }

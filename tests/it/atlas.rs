@@ -44,7 +44,7 @@ fn block(cut: &str) -> Folder {
     let folder = Folder::new();
     done(&folder, "receivers MODEL --spacing 4m -o r.csv");
     done(&folder, "build MODEL -r r.csv --quality draft -o whole.helio");
-    done(&folder, &format!("partition MODEL --spacing 4m --quality draft -o atlas {cut}"));
+    done(&folder, &format!("atlas partition MODEL --spacing 4m --quality draft -o atlas {cut}"));
     folder
 }
 
@@ -109,10 +109,10 @@ fn parts_built_from_earlier_ones_have_equal_bytes() {
     folder.write("tower.obj", &format!("o tower\nusemtl tower\n{vertices}{faces}"));
     folder.write("m.toml", "[tower]\ndiffuse = 0.4\n");
     let cut = "--part-size 45m --spacing 6m --quality draft --sample 0";
-    done(&folder, &format!("partition MODEL {cut} -o before"));
+    done(&folder, &format!("atlas partition MODEL {cut} -o before"));
     done(&folder, "build before --part all");
     for atlas in ["fresh", "from"] {
-        done(&folder, &format!("partition MODEL tower.obj -m m.toml {cut} -o {atlas}"));
+        done(&folder, &format!("atlas partition MODEL tower.obj -m m.toml {cut} -o {atlas}"));
     }
     done(&folder, "build fresh --part all");
     let said = stderr(&done(&folder, "build from --part all --from before"));
@@ -162,12 +162,12 @@ fn requests_find_the_part_of_their_receivers() {
     assert!(sizes[0].abs_diff(sizes[1]) < 200, "{sizes:?}");
     let surface = rows.iter().find(|row| row[0] == id).expect("its row")[8];
     for (place, file) in [("atlas", "a.helio"), (site.as_str(), "b.helio")] {
-        done(&folder, &format!("extract {place} --surface {surface} -o {file}"));
+        done(&folder, &format!("archive extract {place} --surface {surface} -o {file}"));
     }
     assert!(same("a.helio", "b.helio"));
     let sorted = |place: &str| -> Vec<String> {
         let steps = "--by surface --azimuth-step 120 --altitude-step 45 -o -";
-        let text = stdout(&done(&folder, &format!("factors {place} {steps}")));
+        let text = stdout(&done(&folder, &format!("energyplus factors {place} {steps}")));
         let mut rows: Vec<String> = text.lines().map(str::to_owned).collect();
         rows.sort();
         rows
@@ -182,10 +182,10 @@ fn requests_find_the_part_of_their_receivers() {
     }
     assert!(off < 1e-5, "{off}");
     folder.refused(
-        "extract atlas --bbox 78700,457900,78790,458000 -o c.helio",
+        "archive extract atlas --bbox 78700,457900,78790,458000 -o c.helio",
         &["4 parts hold chosen receivers", "site.helio"],
     );
-    folder.refused("diff atlas atlas", &["is an atlas", "site.helio"]);
+    folder.refused("archive diff atlas atlas", &["is an atlas", "site.helio"]);
     folder.refused("export atlas --html page.html", &["is an atlas", "catalogue"]);
 }
 
@@ -202,7 +202,7 @@ fn ground_goes_on_beyond_the_halo() {
     done(&folder, "receivers tower.obj --on wall --spacing 10m -o r.csv");
     done(&folder, "build tower.obj -r r.csv --quality draft -o whole.helio");
     let cut = "--part-size 40m --halo 10m --sample 16 --on wall --spacing 10m --quality draft";
-    let said = stdout(&done(&folder, &format!("partition tower.obj {cut} -o atlas")));
+    let said = stdout(&done(&folder, &format!("atlas partition tower.obj {cut} -o atlas")));
     assert!(said.contains("16 receivers in 1 part by 0 % RMSE of the mean total (95 %: at most 0 %)"), "{said}");
     done(&folder, "build atlas --part all");
     let (whole, parts) = (sums(&folder, "whole.helio", ""), sums(&folder, "atlas", ""));
@@ -258,7 +258,7 @@ fn parts_need_only_the_files_near_them() {
     folder.write("west.city.json", &text);
     done(
         &folder,
-        "partition west.city.json east.city.json --part-size 45m --spacing 6m --quality draft --sample 0 -o atlas",
+        "atlas partition west.city.json east.city.json --part-size 45m --spacing 6m --quality draft --sample 0 -o atlas",
     );
     let plan: Value =
         serde_json::from_slice(&fs::read(folder.path("atlas/atlas.json")).expect("a plan")).expect("JSON");
@@ -293,9 +293,9 @@ fn receivers_at_a_seam_are_in_one_part_only() {
     let cover = "--spacing 1m --offset 50cm";
     done(&folder, &format!("receivers MODEL {cover} -o r.csv"));
     done(&folder, "build MODEL -r r.csv --quality draft -o whole.helio");
-    done(&folder, &format!("partition MODEL {cover} --quality draft --sample 0 --part-size 45m -o atlas"));
+    done(&folder, &format!("atlas partition MODEL {cover} --quality draft --sample 0 --part-size 45m -o atlas"));
     done(&folder, "build atlas --part all");
-    assert!(stdout(&done(&folder, "verify atlas")).contains(" 0 bad"));
+    assert!(stdout(&done(&folder, "archive verify atlas")).contains(" 0 bad"));
     let seam = 45.0 * 1750.0;
     let parts = |name: &str| -> Vec<String> {
         let names = ["x1749_y10176", "x1749_y10177"].map(|part| format!("atlas/parts/{part}/{name}"));
@@ -321,7 +321,7 @@ fn a_part_without_objects_is_refused() {
     let text = fs::read_to_string(model()).expect("a model");
     folder.write("block.city.json", &text);
     let cut = "--part-size 45m --spacing 8m --quality draft --sample 0";
-    done(&folder, &format!("partition block.city.json {cut} -o atlas"));
+    done(&folder, &format!("atlas partition block.city.json {cut} -o atlas"));
     done(&folder, "build atlas --part all");
     let mut empty: Value = serde_json::from_str(&text).expect("JSON");
     let objects = empty["CityObjects"].as_object_mut().expect("objects");
@@ -332,7 +332,7 @@ fn a_part_without_objects_is_refused() {
     assert!(site.is_file());
     done(&folder, "build atlas --part x1749_y10176 --fresh");
     assert!(!site.exists());
-    assert!(stdout(&done(&folder, "find atlas")).contains("x1749_y10176,78705,457920,empty,"));
+    assert!(stdout(&done(&folder, "atlas find atlas")).contains("x1749_y10176,78705,457920,empty,"));
 }
 
 /// A scene file or a materials file that changed since the region was cut is reported before a part
@@ -345,7 +345,7 @@ fn changed_files_are_reported_before_tracing() {
     folder.write("m.toml", "[RoofSurface]\ndiffuse = 0.3\n");
     done(
         &folder,
-        "partition block.city.json -m m.toml --part-size 45m --spacing 8m --quality draft --sample 0 -o atlas",
+        "atlas partition block.city.json -m m.toml --part-size 45m --spacing 8m --quality draft --sample 0 -o atlas",
     );
     folder.write("m.toml", "[RoofSurface]\ndiffuse = 0.4\n");
     folder.refused("build atlas --part 0", &["m.toml: changed since the region was cut", "--fresh"]);
@@ -373,7 +373,7 @@ fn one_of_four_builders_traces_a_part() {
     }
     let found = ended.iter().filter(|output| stdout(output).contains("up to date")).count();
     assert_eq!(found, 3);
-    let verified = stdout(&done(&folder, "verify atlas"));
+    let verified = stdout(&done(&folder, "archive verify atlas"));
     assert!(verified.contains(" 0 bad"), "{verified}");
 }
 
@@ -384,14 +384,14 @@ fn wrong_inputs_and_misplaced_archives_are_refused() {
     let folder = block("--part-size 45m --sample 0");
     let model = model().display().to_string();
     let weather = golden().display().to_string();
-    let partition = format!("partition {model} --quality draft --sample 0");
+    let partition = format!("atlas partition {model} --quality draft --sample 0");
     for (command, parts) in [
         (format!("{partition} -o atlas"), ["holds an atlas already", "--replace"]),
         (format!("{partition} -o new --part-size 0m"), ["--part-size", "1mm to 10km"]),
         (format!("{partition} -o new --halo=-5m"), ["--halo", "length"]),
         (format!("{partition} -o new --skyline 95"), ["--skyline", "0.1 to 90"]),
         (format!("{partition} -o new --set nothing=1"), ["nothing", "to fix"]),
-        ("partition nowhere.city.json -o new".into(), ["nowhere.city.json", "No such file"]),
+        ("atlas partition nowhere.city.json -o new".into(), ["nowhere.city.json", "No such file"]),
         ("build atlas".into(), ["is an atlas, and the part to build is not given", "--part all"]),
         (format!("build {model}"), ["receivers and the archive to write", "-r"]),
         ("build atlas --part 9".into(), ["no part `9`", "0 to 3"]),
@@ -403,7 +403,7 @@ fn wrong_inputs_and_misplaced_archives_are_refused() {
             format!("replay atlas --weather {weather} --bbox 1,2,3,4"),
             ["no part of the atlas holds", "coordinates of the scene files"],
         ),
-        ("verify atlas".into(), ["has no built part", "--part all"]),
+        ("archive verify atlas".into(), ["has no built part", "--part all"]),
     ] {
         folder.refused(&command, &parts);
     }
@@ -423,8 +423,8 @@ fn wrong_inputs_and_misplaced_archives_are_refused() {
         .expect("copied");
     let beside = "holds receivers outside the square of part x1749_y10176";
     folder.refused(&format!("replay atlas --weather {weather}"), &[beside, "--part x1749_y10176 --fresh"]);
-    folder.refused("catalogue atlas", &[beside]);
-    let verified = folder.run("verify atlas");
+    folder.refused("atlas catalogue atlas", &[beside]);
+    let verified = folder.run("archive verify atlas");
     assert!(verified.status.code() == Some(1) && stdout(&verified).contains(beside), "{}", stdout(&verified));
     let plan = fs::read_to_string(folder.path("atlas/atlas.json")).expect("a plan");
     for (from, to, quoted) in [
@@ -453,7 +453,7 @@ fn wrong_inputs_and_misplaced_archives_are_refused() {
 fn a_catalogue_states_digests_and_footprints() {
     let folder = block("--part-size 45m --sample 0 --crs EPSG:28992");
     done(&folder, "build atlas --part all");
-    done(&folder, "catalogue atlas --title Block --license CC-BY-4.0");
+    done(&folder, "atlas catalogue atlas --title Block --license CC-BY-4.0");
     let read = |path: &Path| -> Value { serde_json::from_slice(&fs::read(path).expect("a file")).expect("JSON") };
     let root = folder.path("atlas/collection.json");
     let collection = read(&root);
@@ -506,8 +506,8 @@ fn a_catalogue_states_digests_and_footprints() {
     let page = fs::read_to_string(folder.path("atlas/view.html")).expect("a page");
     assert!(page.contains("{\"parts\":\"parts.json\"}"));
     assert_eq!(collection["assets"]["thumbnail"]["type"], "image/png");
-    let found = stdout(&done(&folder, "find atlas --bbox 78700,457900,78720,458000"));
+    let found = stdout(&done(&folder, "atlas find atlas --bbox 78700,457900,78720,458000"));
     assert_eq!(found.lines().count(), 1 + 2, "{found}");
     assert!(found.contains("x1749_y10176,78705,457920,built,atlas/parts/x1749_y10176/site.helio"), "{found}");
-    folder.refused("find atlas --bbox 0,0,1,1", &["no part of the atlas touches the box", "--bbox"]);
+    folder.refused("atlas find atlas --bbox 0,0,1,1", &["no part of the atlas touches the box", "--bbox"]);
 }

@@ -71,7 +71,7 @@ fn an_audit_refutes_false_claims_only() {
     }
     let inputs = "scene.obj -m materials.toml --weather golden.epw --samples 30 --paths 512";
     fs::copy(golden(), folder.path("golden.epw")).expect("a copy");
-    let modest = folder.run(&format!("audit modest.helio {inputs} -o report"));
+    let modest = folder.run(&format!("archive audit modest.helio {inputs} -o report"));
     let said = stdout(&modest);
     assert_eq!(modest.status.code(), Some(0), "{}", stderr(&modest));
     assert!(said.contains("30 receivers, 240 hours of golden.epw in all") && said.contains("not refuted"), "{said}");
@@ -79,11 +79,11 @@ fn an_audit_refutes_false_claims_only() {
     let table = read("audit.csv");
     assert_eq!((table.lines().count(), table.lines().next().map(|line| line.split(',').count())), (241, Some(24)));
     assert_eq!(read("index.html").matches("<svg").count(), 2);
-    let mut alone = folder.command(&format!("audit modest.helio {inputs} -o alone"));
+    let mut alone = folder.command(&format!("archive audit modest.helio {inputs} -o alone"));
     assert!(alone.env("RAYON_NUM_THREADS", "1").status().expect("the program").success());
     assert_eq!(fs::read_to_string(folder.path("alone/audit.csv")).expect("a table"), table);
 
-    let bold = folder.run(&format!("audit bold.helio {inputs}"));
+    let bold = folder.run(&format!("archive audit bold.helio {inputs}"));
     assert_eq!((bold.status.code(), stdout(&bold).contains("REFUTED")), (Some(1), true), "{}", stdout(&bold));
 
     folder.write(
@@ -91,13 +91,17 @@ fn an_audit_refutes_false_claims_only() {
         "condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2\na,180,40,800,90\nb,90,10,300,50\nc,0,-5,0,20\n",
     );
     let three = "scene.obj -m materials.toml --conditions three.csv --samples 20 --paths 512";
-    let said = stdout(&folder.run(&format!("audit modest.helio {three}")));
+    let said = stdout(&folder.run(&format!("archive audit modest.helio {three}")));
     assert!(said.contains("20 receivers, 60 hours of three.csv in all"), "{said}");
-    folder.refused(&format!("audit modest.helio {three} --weather golden.epw"), &["--conditions", "--weather"]);
+    folder.refused(&format!("archive audit modest.helio {three} --weather golden.epw"), &["--conditions", "--weather"]);
 
     folder.write("other.toml", "[wall]\ndiffuse = 0.5\n[roof]\ndiffuse = 0.2\n[grass]\ndiffuse = 0.25\n");
-    folder.refused("audit bold.helio scene.obj -m other.toml", &["scene.obj", "is not the scene of the archive"]);
-    folder.refused("audit bold.helio scene.obj -m materials.toml --sky perez1990", &["--sky", "horizon"]);
-    folder.refused("audit bold.helio scene.obj -m materials.toml --seconds soon", &["--seconds", "number of seconds"]);
-    folder.refused("audit none.helio scene.obj -m materials.toml", &["none.helio"]);
+    folder
+        .refused("archive audit bold.helio scene.obj -m other.toml", &["scene.obj", "is not the scene of the archive"]);
+    folder.refused("archive audit bold.helio scene.obj -m materials.toml --sky perez1990", &["--sky", "horizon"]);
+    folder.refused(
+        "archive audit bold.helio scene.obj -m materials.toml --seconds soon",
+        &["--seconds", "number of seconds"],
+    );
+    folder.refused("archive audit none.helio scene.obj -m materials.toml", &["none.helio"]);
 }

@@ -63,7 +63,7 @@ fn archive(version: &str) -> PathBuf {
     data(&format!("../archives/{version}.helio"))
 }
 
-const QUERY: &str = "query site.helio --conditions u.csv --sky uniform --columns total";
+const QUERY: &str = "replay site.helio --conditions u.csv --sky uniform --columns total";
 
 /// Returns the inside of a sphere of 100 m with a hole of 30 degrees around the zenith.
 fn sphere() -> String {
@@ -141,8 +141,8 @@ fn bands_add_up() {
     let weather = golden().display().to_string();
     let bands = "--columns total --bands own.toml,uv,visible,nir";
     for (command, unit) in [
-        (format!("query {site} --conditions {conditions} {bands}"), ""),
-        (format!("query {site} --conditions {conditions} {bands} --bounces 2 --reflectance wall=0.7"), ""),
+        (format!("replay {site} --conditions {conditions} {bands}"), ""),
+        (format!("replay {site} --conditions {conditions} {bands} --bounces 2 --reflectance wall=0.7"), ""),
         (format!("replay {site} --weather {weather} {bands}"), ""),
         (
             format!("replay {site} --weather {weather} {bands} --every month --snow albedo --transmittance leaves=0.6"),
@@ -263,13 +263,13 @@ fn archives_hold_bands_only_where_they_are_stated() {
     assert_eq!(bands("plain.helio"), None);
     let stored = open("seen.helio").entries_of(format::BANDS)[0].stored;
     assert!(stored < 100, "{stored}");
-    run(&folder, "verify seen.helio --deep");
+    run(&folder, "archive verify seen.helio --deep");
     assert!(run(&folder, "info seen.helio").contains("  bands "), "info");
-    let (first, second) = (open("seen.helio"), stdout(&folder.run("diff plain.helio seen.helio")));
+    let (first, second) = (open("seen.helio"), stdout(&folder.run("archive diff plain.helio seen.helio")));
     assert!(second.contains("diffuse.visible"), "{second}");
     assert_eq!(first.entries_of(format::BANDS).len(), 1);
-    run(&folder, "extract seen.helio --bbox=-1000,-1000,1000,1000 -o part.helio");
-    run(&folder, "merge seen.helio part.helio -o both.helio");
+    run(&folder, "archive extract seen.helio --bbox=-1000,-1000,1000,1000 -o part.helio");
+    run(&folder, "archive merge seen.helio part.helio -o both.helio");
     for name in ["part.helio", "both.helio"] {
         assert_eq!(bands(name), bands("seen.helio"), "{name}");
     }
@@ -316,7 +316,7 @@ fn wrong_bands_are_refused_and_doubtful_ones_noted() {
     assert!(!said.contains("note"), "{said}");
     folder.write("plain.toml", "[roof]\ndiffuse = 0.2\n");
     run(&folder, "build own.obj --materials plain.toml --receivers own.csv --no-ground -o plain.helio");
-    let said = stderr(&folder.run("query plain.helio --conditions u.csv --bands visible"));
+    let said = stderr(&folder.run("replay plain.helio --conditions u.csv --bands visible"));
     assert!(said.contains("no material has values by band"), "{said}");
     folder.write("much.toml", "[[band]]\nname = \"a\"\nsun = 1.5\nsky = 0.5\n");
     folder.write("part.toml", "partition = true\n[[band]]\nname = \"a\"\nsun = 0.5\nsky = 0.5\n");

@@ -470,11 +470,11 @@ fn wrong_canopy_names_and_values_are_refused() {
     std::fs::write(path("leaf.csv"), months(&"0.7\n".repeat(6)) + &"0.1\n".repeat(6)).expect("written");
     std::fs::write(path("two.csv"), months(&"2\n".repeat(12))).expect("written");
     std::fs::write(path("other.csv"), format!("reflectance\n{}", "0.2\n".repeat(12))).expect("written");
-    let run = |command: &str, options: &[&str]| {
+    let run = |under: &str, options: &[&str]| {
         let mut program = std::process::Command::new(env!("CARGO_BIN_EXE_heliotile"));
-        program.current_dir(folder.path()).arg(command).arg("site.helio");
-        match command {
-            "query" => program.args(["--conditions", "c.csv"]),
+        program.current_dir(folder.path()).args(["replay", "site.helio"]);
+        match under {
+            "conditions" => program.args(["--conditions", "c.csv"]),
             _ => program.arg("--weather").arg(data("../weather/golden_3_days.epw")).args(["--every", "year"]),
         };
         let ended = program.args(options).output().expect("runs");
@@ -482,14 +482,14 @@ fn wrong_canopy_names_and_values_are_refused() {
         (ended.status.code(), text(&ended.stdout), text(&ended.stderr))
     };
     for (command, option, value, expected) in [
-        ("query", "--transmittance", "bush=0.5", "no group and no material `bush`"),
-        ("query", "--transmittance", "wall=0.5", "`wall` is not a canopy"),
-        ("query", "--transmittance", "trees=1.2", "from 0 to 1, not 1.2"),
-        ("query", "--transmittance", "trees=leaf.csv", "12 values for a table of conditions of 1 rows"),
-        ("query", "--reflectance", "leaf=0.5", "`leaf` is a canopy"),
-        ("replay", "--transmittance", "trees=two.csv", "column `transmittance` holds `2`"),
-        ("replay", "--transmittance", "trees=other.csv", "column `transmittance` is missing"),
-        ("replay", "--transmittance", "trees=nowhere.csv", "nowhere.csv"),
+        ("conditions", "--transmittance", "bush=0.5", "no group and no material `bush`"),
+        ("conditions", "--transmittance", "wall=0.5", "`wall` is not a canopy"),
+        ("conditions", "--transmittance", "trees=1.2", "from 0 to 1, not 1.2"),
+        ("conditions", "--transmittance", "trees=leaf.csv", "12 values for a table of conditions of 1 rows"),
+        ("conditions", "--reflectance", "leaf=0.5", "`leaf` is a canopy"),
+        ("weather", "--transmittance", "trees=two.csv", "column `transmittance` holds `2`"),
+        ("weather", "--transmittance", "trees=other.csv", "column `transmittance` is missing"),
+        ("weather", "--transmittance", "trees=nowhere.csv", "nowhere.csv"),
     ] {
         let (code, _, message) = run(command, &[option, value]);
         assert!(code == Some(2) && message.contains(expected), "{command} {option} {value}: {code:?} {message}");
@@ -499,9 +499,10 @@ fn wrong_canopy_names_and_values_are_refused() {
         assert_eq!(code, Some(0), "{message}");
         table.lines().skip(1).filter_map(|line| line.rsplit(',').next()?.parse::<f64>().ok()).sum()
     };
-    let [dark, stored, open] = ["trees=0", "trees=0.2", "trees=1"].map(|t| total("query", &["--transmittance", t]));
+    let [dark, stored, open] =
+        ["trees=0", "trees=0.2", "trees=1"].map(|t| total("conditions", &["--transmittance", t]));
     assert!(dark < stored && stored < open, "{dark} {stored} {open}");
-    assert!((total("query", &[]) - stored).abs() < 1e-3 * stored);
-    let all = ["trees=leaf.csv", "trees=1"].map(|t| total("replay", &["--transmittance", t]));
+    assert!((total("conditions", &[]) - stored).abs() < 1e-3 * stored);
+    let all = ["trees=leaf.csv", "trees=1"].map(|t| total("weather", &["--transmittance", t]));
     assert!(all[0] > 0.0 && all[0] < all[1], "{all:?}");
 }

@@ -52,7 +52,10 @@ fn parts_give_the_rows_of_one_archive() {
     for (kind, scene) in sources(&folder) {
         done(&folder, &format!("receivers {scene} --spacing 8m -o {kind}.csv"));
         done(&folder, &format!("build {scene} -r {kind}.csv --quality draft -o {kind}.helio"));
-        done(&folder, &format!("partition {scene} --spacing 8m --quality draft --part-size 40m --sample 0 -o {kind}"));
+        done(
+            &folder,
+            &format!("atlas partition {scene} --spacing 8m --quality draft --part-size 40m --sample 0 -o {kind}"),
+        );
         done(&folder, &format!("build {kind} --part all"));
         let parts = fs::read_dir(folder.path(kind).join("parts")).expect("parts").count();
         let (whole, atlas) = (sums(&folder, &format!("{kind}.helio")), sums(&folder, kind));

@@ -105,7 +105,7 @@ fn build_query_and_replay_keep_their_columns() {
     let built = folder.build();
     assert_eq!(built.status.code(), Some(0), "{}", String::from_utf8_lossy(&built.stderr));
 
-    let table = stdout(&folder.run("query site.helio --conditions conditions.csv"));
+    let table = stdout(&folder.run("replay site.helio --conditions conditions.csv"));
     let lines: Vec<&str> = table.lines().collect();
     assert_eq!(
         lines[0],
@@ -143,7 +143,9 @@ fn both_ways_of_reading_agree() {
     let folder = Folder::new();
     folder.build();
     let replay = format!("replay site.helio --every day --weather {}", golden().display());
-    for command in ["query site.helio --conditions conditions.csv", &replay, "info site.helio", "verify site.helio"] {
+    for command in
+        ["replay site.helio --conditions conditions.csv", &replay, "info site.helio", "archive verify site.helio"]
+    {
         let [map, pread] = ["map", "pread"].map(|io| folder.run(&format!("{command} --io {io}")));
         assert_eq!((map.status.code(), pread.status.code()), (Some(0), Some(0)), "{command}");
         assert!(!map.stdout.is_empty() && map.stdout == pread.stdout, "{command}");
@@ -188,22 +190,22 @@ fn info_lists_layers_and_verify_finds_damage() {
     for options in ["--materials materials.toml", "--materials-only", "--no-ground"] {
         folder.refused(&format!("info site.helio {options}"), &["whose surfaces were stated", "leave --materials"]);
     }
-    assert_eq!(folder.run("verify site.helio").status.code(), Some(0));
+    assert_eq!(folder.run("archive verify site.helio").status.code(), Some(0));
     let mut bytes = fs::read(folder.path("site.helio")).expect("the archive");
     fs::write(folder.path("long.helio"), [&bytes[..], &[7; 99]].concat()).expect("a writable folder");
-    let verified = folder.run("verify long.helio");
+    let verified = folder.run("archive verify long.helio");
     let message = String::from_utf8_lossy(&verified.stderr).into_owned();
     assert_eq!(verified.status.code(), Some(0));
     assert!(message.contains("long.helio: ignored 99 bytes after the archive's end; harmless"), "{message}");
     bytes[8192 + 10] ^= 1;
     fs::write(folder.path("bad.helio"), &bytes).expect("a writable folder");
-    let verified = folder.run("verify bad.helio");
+    let verified = folder.run("archive verify bad.helio");
     assert_eq!(verified.status.code(), Some(1));
     assert!(stdout(&verified).contains("receivers/0"), "{}", stdout(&verified));
-    folder.refused("query bad.helio --conditions conditions.csv", &["bad.helio", "receivers/0", "verify"]);
+    folder.refused("replay bad.helio --conditions conditions.csv", &["bad.helio", "receivers/0", "verify"]);
 }
 
-/// 7 wrong options of a build, and a folder that is no store, are refused with the allowed values.
+/// 7 wrong options of a build are refused with the allowed values.
 #[test]
 fn wrong_build_options_name_the_allowed_values() {
     let folder = Folder::new();
@@ -215,9 +217,6 @@ fn wrong_build_options_name_the_allowed_values() {
         [("512", "no unit"), ("1KiB", "`KiB` is not a unit"), ("1.2.3MiB", "not a number"), ("-1GB", "`-1`")]
     {
         folder.refused(&format!("{build} --memory={memory}"), &["--memory", found, "MiB, GiB, MB or GB, as in 512MiB"]);
-    }
-    for command in ["ls", "verify", "gc --keep 1GiB"] {
-        folder.refused(&format!("store {command} ."), &["is not a store", "a build with --store"]);
     }
     assert!(!folder.path("site.helio").exists());
 }
@@ -250,7 +249,7 @@ fn wrong_inputs_name_file_place_and_finding() {
     with("scene.obj", "v 0 0 0\n", &["scene.obj", "no faces"]);
 
     folder.build();
-    let query = "query site.helio --conditions conditions.csv";
+    let query = "replay site.helio --conditions conditions.csv";
     folder.write("conditions.csv", &CONDITIONS.replace("800", "-800"));
     folder.refused(query, &["conditions.csv", "line 2", "dni_w_m2", "-800"]);
     // The output is checked before anything is read.
@@ -258,7 +257,7 @@ fn wrong_inputs_name_file_place_and_finding() {
     folder.write("conditions.csv", CONDITIONS);
     folder.refused(&format!("{query} -o out.xlsx"), &[".csv", ".parquet"]);
     folder.refused(&format!("{query} --sky cie:17"), &["cie"]);
-    folder.refused("query scene.obj --conditions conditions.csv", &["scene.obj"]);
+    folder.refused("replay scene.obj --conditions conditions.csv", &["scene.obj"]);
 }
 
 /// 5 outputs that would destroy something (an input, another kind of file, a device, a folder) are
@@ -271,14 +270,14 @@ fn outputs_never_replace_inputs() {
     folder.refused(&format!("{build}scene.obj"), &["scene.obj", "input"]);
     folder.refused(&format!("{build}conditions.csv"), &["conditions.csv", "not an archive"]);
     folder.refused(&format!("{build}/dev/null"), &["/dev/null", "device"]);
-    folder.refused("query site.helio --conditions conditions.csv -o conditions.csv", &["conditions.csv", "input"]);
+    folder.refused("replay site.helio --conditions conditions.csv -o conditions.csv", &["conditions.csv", "input"]);
     folder.refused(&format!("{build}."), &["folder"]);
     assert_eq!(fs::read_to_string(folder.path("scene.obj")).ok().as_deref(), Some(SCENE));
     assert_eq!(fs::read_to_string(folder.path("conditions.csv")).ok().as_deref(), Some(CONDITIONS));
 }
 
 /// A receiver inside the cube and one that faces a wall from 0.3 mm are named, 2 of 2, and the
-/// build goes on; the first is also named by a build that finds all 5 receivers in a store.
+/// build goes on; the first is also named by a build that finds all 5 receivers in an archive.
 #[test]
 fn misplaced_receivers_are_named() {
     let folder = Folder::new();
@@ -288,9 +287,7 @@ fn misplaced_receivers_are_named() {
     assert_eq!(built.status.code(), Some(0), "{message}");
     assert!(message.contains("inside a solid") && message.contains("buried"), "{message}");
     assert!(message.contains("close (0.30 mm)"), "{message}");
-    let build = "build scene.obj -m materials.toml -r receivers.csv --store store -o stored.helio";
-    folder.run(build);
-    let known = folder.run(build);
+    let known = folder.run("build scene.obj -m materials.toml -r receivers.csv --from site.helio -o again.helio");
     assert!(stdout(&known).contains(" 0.0 Mray (0 a receiver)"), "{}", stdout(&known));
     let message = String::from_utf8_lossy(&known.stderr).into_owned();
     assert!(message.contains("1 receiver lies inside a solid") && message.contains("buried"), "{message}");
@@ -306,7 +303,7 @@ fn merged_parts_have_the_bytes_of_the_original() {
     folder.write("few.csv", "note,receiver\nx,lawn\n,roof\n");
     assert_eq!(folder.build().status.code(), Some(0));
     let extract = |rest: &str| {
-        let output = folder.run(&format!("extract site.helio {rest}"));
+        let output = folder.run(&format!("archive extract site.helio {rest}"));
         assert_eq!(output.status.code(), Some(0), "{rest}: {}", String::from_utf8_lossy(&output.stderr));
         stdout(&output)
     };
@@ -317,27 +314,29 @@ fn merged_parts_have_the_bytes_of_the_original() {
     {
         assert!(extract(&format!("{select} -o box.helio")).contains(&format!(": {count} of 3 receivers")), "{select}");
     }
-    let merged = stdout(&folder.run("merge few.helio front.helio -o merged.helio"));
+    let merged = stdout(&folder.run("archive merge few.helio front.helio -o merged.helio"));
     assert!(
         merged.contains("3 receivers in 1 tile,") && merged.contains("2 from few.helio, 1 from front.helio, 0 in both")
     );
     let bytes = |name: &str| fs::read(folder.path(name)).expect("an archive");
     assert!(bytes("merged.helio") == bytes("site.helio"));
 
-    let same = folder.run("diff site.helio merged.helio");
+    let same = folder.run("archive diff site.helio merged.helio");
     assert_eq!((same.status.code(), stdout(&same).as_str()), (Some(0), "equal, and so are the roots\n"));
-    let other = folder.run("diff site.helio few.helio");
+    let other = folder.run("archive diff site.helio few.helio");
     assert_eq!(other.status.code(), Some(1));
     assert!(stdout(&other).contains("only in A  1 receiver: south\n"), "{}", stdout(&other));
 
-    folder.refused("extract site.helio -o x.helio", &["--receivers", "--bbox", "--surface"]);
-    folder.refused("extract site.helio --bbox 0,0,1,1 --surface top -o x.helio", &["--bbox", "--surface"]);
-    folder.refused("extract site.helio --bbox 0,0,1 -o x.helio", &["3 numbers", "xmin,ymin,xmax,ymax"]);
-    folder.refused("extract site.helio --bbox 5,0,1,1 -o x.helio", &["above its upper bound"]);
-    folder.refused("extract site.helio --bbox 90,90,91,91 -o x.helio", &["site.helio", "none of the receivers"]);
-    folder.refused("extract site.helio --surface top attic -o x.helio", &["site.helio", "1 surface: attic"]);
-    folder.refused("extract site.helio --receivers conditions.csv -o x.helio", &["conditions.csv", "`receiver`"]);
-    folder.refused("extract site.helio --receivers few.csv -o few.csv", &["few.csv", "input"]);
-    folder.refused("diff site.helio none.helio", &["none.helio", "No such file"]);
+    folder.refused("archive extract site.helio -o x.helio", &["--receivers", "--bbox", "--surface"]);
+    folder.refused("archive extract site.helio --bbox 0,0,1,1 --surface top -o x.helio", &["--bbox", "--surface"]);
+    folder.refused("archive extract site.helio --bbox 0,0,1 -o x.helio", &["3 numbers", "xmin,ymin,xmax,ymax"]);
+    folder.refused("archive extract site.helio --bbox 5,0,1,1 -o x.helio", &["above its upper bound"]);
+    folder
+        .refused("archive extract site.helio --bbox 90,90,91,91 -o x.helio", &["site.helio", "none of the receivers"]);
+    folder.refused("archive extract site.helio --surface top attic -o x.helio", &["site.helio", "1 surface: attic"]);
+    folder
+        .refused("archive extract site.helio --receivers conditions.csv -o x.helio", &["conditions.csv", "`receiver`"]);
+    folder.refused("archive extract site.helio --receivers few.csv -o few.csv", &["few.csv", "input"]);
+    folder.refused("archive diff site.helio none.helio", &["none.helio", "No such file"]);
     assert!(!folder.path("x.helio").exists() && !folder.path("x.helio.partial").exists());
 }

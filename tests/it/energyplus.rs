@@ -114,7 +114,7 @@ fn tables_hold_what_a_query_gives() {
     let suns: [(usize, usize); 3] = [(120, 45), (200, 60), (300, 20)];
     let rows = suns.map(|(azimuth, altitude)| format!("a{azimuth},{azimuth},{altitude},1000,0\n")).concat();
     folder.write("suns.csv", &format!("condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2\n{rows}"));
-    let query = "query out/site.helio --conditions suns.csv --paths none --by surface --reflectance ground=0.2 --columns sun_reflected";
+    let query = "replay out/site.helio --conditions suns.csv --paths none --by surface --reflectance ground=0.2 --columns sun_reflected";
     let output = folder.run(query);
     let lines = stdout(&output);
     let objects = objects(&text(&folder, "out/model.idf"));

@@ -388,7 +388,7 @@ fn exr_files_sum_to_the_columns_of_a_query() {
     let sum = |part: usize, name: &str| -> f64 {
         values(part, name).iter().zip(values(part, "weight_sr")).map(|(v, w)| v * w).sum()
     };
-    let table = stdout(&folder.run("query site.helio --conditions conditions.csv"));
+    let table = stdout(&folder.run("replay site.helio --conditions conditions.csv"));
     let row = table.lines().find(|l| l.starts_with("noon,south,")).expect("a row");
     let columns: Vec<f64> = row.split(',').skip(2).map(|c| c.parse().expect("a number")).collect();
     let sums = [sum(0, "sun_direct"), sum(0, "sky_direct"), sum(1, "sun_reflected"), sum(1, "sky_reflected")];
@@ -494,7 +494,7 @@ fn damage_is_named() {
         bad[entry.offset as usize + entry.stored as usize / 2] ^= 4;
         fs::write(folder.path("bad.helio"), bad).expect("a file");
         let name = format!("block {}", format::block_name(kind, TileNumber::FIRST));
-        folder.refused("export bad.helio -r lawn --sun 90,45 --dni 500 -o r.exr", &[&name, "heliotile verify"]);
+        folder.refused("export bad.helio -r lawn --sun 90,45 --dni 500 -o r.exr", &[&name, "heliotile archive verify"]);
     }
     assert!(!folder.path("r.exr").exists());
 }

@@ -127,7 +127,7 @@ fn repair_keeps_archives_with_and_without_triangles() {
         bad[entry.offset as usize + 20] ^= 4;
         drop(archive);
         fs::write(folder.path(name), bad).expect("written");
-        folder.run(&format!("repair {name} scene.obj -m materials.toml -r receivers.csv"));
+        folder.run(&format!("archive repair {name} scene.obj -m materials.toml -r receivers.csv"));
         assert!(fs::read(folder.path(name)).expect("repaired") == whole, "{name}");
     }
 }

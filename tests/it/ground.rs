@@ -101,10 +101,10 @@ fn ground_reflectance_follows_months_and_snow() {
     assert!(constant[0] < 0.2 * found[0], "{constant:?}");
 
     for name in ["down", "wall"] {
-        run(&format!("extract m.helio -r {name}.csv -o {name}.helio"));
+        run(&format!("archive extract m.helio -r {name}.csv -o {name}.helio"));
     }
-    run("merge down.helio wall.helio -o both.helio");
-    run("diff m.helio both.helio");
+    run("archive merge down.helio wall.helio -o both.helio");
+    run("archive diff m.helio both.helio");
     assert_eq!(totals("both.helio"), found);
     assert!(stdout(&run("info both.helio")).contains("0 0 0.6 0 0 0 0 0 0 0 0 0 by month, times 0.5 under snow; 0.05"));
 
@@ -114,7 +114,7 @@ fn ground_reflectance_follows_months_and_snow() {
     let mut bytes = whole.clone();
     bytes[whole.len() / 2] ^= 1;
     std::fs::write(folder.path("m.helio"), bytes).expect("written");
-    run("repair m.helio april.idf -r r.csv");
+    run("archive repair m.helio april.idf -r r.csv");
     assert!(std::fs::read(folder.path("m.helio")).expect("repaired") == whole);
 
     let bare = run("build m.idf --no-ground -r r.csv -o bare.helio");
@@ -125,6 +125,6 @@ fn ground_reflectance_follows_months_and_snow() {
     let middle = bytes.len() / 2;
     bytes[middle] ^= 1;
     std::fs::write(folder.path("bare.helio"), bytes).expect("written");
-    let repaired = run("repair bare.helio m.idf");
+    let repaired = run("archive repair bare.helio m.idf");
     assert!(stdout(&repaired).contains("root as before"), "{}", stdout(&repaired));
 }

@@ -307,7 +307,7 @@ fn infrared_is_checked_only_if_requested() {
     assert_eq!(given.status.code(), Some(0));
 
     folder.refused(
-        "query site.helio -c conditions.csv --columns longwave",
+        "replay site.helio -c conditions.csv --columns longwave",
         &["`longwave`", "found conditions", "weather file"],
     );
     folder.write("short.csv", "temperature_c\n5\n");

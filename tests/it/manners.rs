@@ -85,9 +85,9 @@ fn weather_is_kept_apart() {
         fs::copy(golden().with_file_name("pvgis_4_days.epw"), folder.path(name)).expect("copied");
     }
     let (said, _) = good(&folder, &RUN.replace("golden.epw", "pvgis.epw"));
-    assert!(said.contains("pvgis/annual.csv, pvgis/annual.ply"), "{said}");
+    assert!(said.contains("pvgis/annual.csv, pvgis/annual.png"), "{said}");
     assert_eq!(names(&made), ["golden", "pvgis", "receivers.csv", "site.helio"]);
-    assert!(bytes(&made.join("golden")) == first && first.len() == 7);
+    assert!(bytes(&made.join("golden")) == first && first.len() == 6);
     let other = RUN.replace("golden.epw", "other/golden.epw");
     folder.refused(&other, &["a.sun/golden: holds results of other weather, read from golden.epw", "--replace"]);
     assert!(bytes(&made.join("golden")) == first);
@@ -116,7 +116,6 @@ fn run_writes_the_tables_of_replay() {
         [
             "annual.csv",
             "annual.csv-metadata.json",
-            "annual.ply",
             "annual.png",
             "days.csv",
             "days.csv-metadata.json",
@@ -144,15 +143,7 @@ fn run_writes_the_tables_of_replay() {
     good(&folder, &format!("{} --replace", RUN.replace("5m", "4m")));
     assert_eq!(
         names(&made),
-        [
-            "annual.csv",
-            "annual.csv-metadata.json",
-            "annual.ply",
-            "annual.png",
-            "index.html",
-            "made-from.json",
-            "months.svg"
-        ]
+        ["annual.csv", "annual.csv-metadata.json", "annual.png", "index.html", "made-from.json", "months.svg"]
     );
 }
 
@@ -238,18 +229,18 @@ fn output_extensions_are_checked_first() {
     folder.refused(&format!("{build} m"), &["name it m.helio"]);
     folder.refused(&format!("{build} no/such/m.helio"), &["there is no folder no/such", "mkdir -p no/such"]);
     folder.refused(&format!("{build} scene.obj/m.helio"), &["scene.obj is not a folder"]);
-    folder.refused("extract none.helio --surface a -o m.csv", &["name it m.helio"]);
-    folder.refused("merge none.helio none.helio -o m.zip", &["name it m.helio"]);
-    folder.refused("repair none.helio scene.obj -o m.bin", &["name it m.helio"]);
+    folder.refused("archive extract none.helio --surface a -o m.csv", &["name it m.helio"]);
+    folder.refused("archive merge none.helio none.helio -o m.zip", &["name it m.helio"]);
+    folder.refused("archive repair none.helio scene.obj -o m.bin", &["name it m.helio"]);
     folder.refused("receivers none.obj -o m.xlsx", &["this table is CSV", "name it m.csv"]);
     folder.refused("receivers none.obj --buried m.txt", &["name it m.csv"]);
-    folder.refused("query none.helio -c conditions.csv -o m.xlsx", &["m.xlsx", ".parquet"]);
+    folder.refused("replay none.helio -c conditions.csv -o m.xlsx", &["m.xlsx", ".parquet"]);
     folder.refused("replay none.helio -w none.epw -o no/such/m.csv", &["mkdir -p no/such"]);
     folder.refused("run none.obj -w none.epw -o m.csv", &["has the ending of a file", "give a folder: m"]);
     folder.refused("tradeoff none.obj -r none.csv -o m.html", &["has the ending of a file"]);
     folder.refused("export site.helio --view-factors -o no/such/m.csv", &["mkdir -p no/such"]);
     // An existing file is refused as the kind that it is, also by `repair`.
-    folder.refused("repair site.helio scene.obj -o conditions.csv", &["conditions.csv", "not an archive"]);
+    folder.refused("archive repair site.helio scene.obj -o conditions.csv", &["conditions.csv", "not an archive"]);
     assert_eq!(names(&folder.path("")), before);
 }
 
@@ -270,9 +261,9 @@ fn files_of_another_kind_are_named_with_their_kind() {
         ("replay hills.asc -w golden.epw", ["is a scene (ASCII grid), not an archive", "heliotile run hills.asc"]),
         ("replay a.obj -w golden.epw", ["is a scene (OBJ), not an archive", "heliotile run a.obj"]),
         ("replay golden.epw -w golden.epw", ["is weather (EPW), not an archive", "--weather golden.epw"]),
-        ("query site.helio -c golden.epw", ["not a table of conditions", "heliotile replay SITE.helio --weather"]),
+        ("replay site.helio -c golden.epw", ["not a table of conditions", "heliotile replay SITE.helio --weather"]),
         ("build a.obj -r a.obj -o b.helio", ["not a table of receivers", "heliotile receivers a.obj"]),
-        ("build a.obj -r conditions.csv -o b.helio", ["is a table of conditions", "heliotile query"]),
+        ("build a.obj -r conditions.csv -o b.helio", ["is a table of conditions", "heliotile replay"]),
         ("info receivers.csv", ["is a table of receivers, not an archive or a scene", "--receivers receivers.csv"]),
     ] {
         folder.refused(arguments, &parts);
@@ -299,7 +290,6 @@ fn missing_files_are_answered_with_a_similar_name() {
         folder
             .refused(&format!("{replay} {option}"), &["cannot read scne.obj: No such file", "did you mean scene.obj?"]);
     }
-    folder.refused("build a.obj -r receivers.csv -o b.helio --store a.obj", &["a.obj: has the ending of a file"]);
     folder.refused("a.obj --weather golden.epw", &["a command comes first, such as heliotile run a.obj --weather"]);
     folder.refused("a.obj run --weather golden.epw", &["the command comes first", "heliotile run ..."]);
 }
@@ -330,7 +320,7 @@ fn quiet_and_verbose_change_messages_only() {
     good(&folder, &format!("--threads 1 {build} -o one.helio"));
     good(&folder, &format!("{build} -o two.helio --threads 2"));
     assert!(fs::read(folder.path("one.helio")).ok() == fs::read(folder.path("two.helio")).ok());
-    let (said, _) = good(&folder, "plan scene.obj -m materials.toml -r receivers.csv --threads 3");
+    let (said, _) = good(&folder, "build --dry-run scene.obj -m materials.toml -r receivers.csv --threads 3");
     assert!(said.contains("3 threads"), "{said}");
     folder.refused(&format!("{build} -o x.helio --threads 0"), &["--threads", "1..=1024"]);
 }
@@ -376,16 +366,16 @@ fn semicolons_and_decimal_commas_are_explained() {
     folder.refused(build, &["r.csv, line 2", "has 8 cells, the header 7", "decimals with a point: 1,5 is two cells"]);
     let conditions = "condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2\nnoon,180,50,800,100\n";
     folder.write("c.csv", &conditions.replace(',', ";"));
-    folder.refused("query site.helio -c c.csv", &["c.csv, line 1", "commas in place of semicolons"]);
+    folder.refused("replay site.helio -c c.csv", &["c.csv, line 1", "commas in place of semicolons"]);
 }
 
-/// 5 shells get a script that names all commands, bash parses its own, and 40 pages of the manual
+/// 5 shells get a script that names all commands, bash parses its own, and 30 pages of the manual
 /// begin as man pages do.
 #[test]
 fn completions_and_manual_cover_all_commands() {
     let folder = Folder::new();
     for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
-        let (script, _) = good(&folder, &format!("completions {shell}"));
+        let (script, _) = good(&folder, &format!("--completions {shell}"));
         for word in ["replay", "tradeoff", "spacing", "quiet"] {
             assert!(script.contains(word), "{shell}: {word}");
         }
@@ -393,12 +383,12 @@ fn completions_and_manual_cover_all_commands() {
     }
     let checked = Command::new("bash").arg("-n").arg(folder.path("bash")).status().expect("bash");
     assert!(checked.success());
-    folder.refused("completions tcsh", &["tcsh", "zsh"]);
+    folder.refused("--completions tcsh", &["tcsh", "zsh"]);
 
-    let (said, _) = good(&folder, "man -o deep/pages");
+    let (said, _) = good(&folder, "--man deep/pages");
     let pages = names(&folder.path("deep/pages"));
-    assert_eq!(pages.len(), 40, "{pages:?}");
-    assert!(said.contains("40 pages"), "{said}");
+    assert_eq!(pages.len(), 30, "{pages:?}");
+    assert!(said.contains("30 pages"), "{said}");
     for page in &pages {
         let text = fs::read_to_string(folder.path("deep/pages").join(page)).expect("a page");
         assert!(text.contains(".TH ") && text.contains(".SH NAME"), "{page}");

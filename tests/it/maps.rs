@@ -354,14 +354,14 @@ fn wrong_maps_are_refused_and_leave_no_file() {
     let endings =
         [".csv", ".parquet", ".arrow", ".feather", ".npy", ".npz", ".glb", ".fgb", ".geojson", ".vtu", ".pvd"];
     folder.refused(&format!("{total} -o map.gpkg"), &endings);
-    folder.refused("factors site.helio -o map.fgb", &["map.fgb", ".csv"]);
+    folder.refused("energyplus factors site.helio -o map.fgb", &["map.fgb", ".csv"]);
     let conditions: String = (0..1000).map(|i| format!("c{i},180,50,{i},100\n")).collect();
     folder.write("many.csv", &format!("condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2\n{conditions}"));
     folder.refused(
-        "query site.helio -c many.csv --columns total -o map.fgb",
+        "replay site.helio -c many.csv --columns total -o map.fgb",
         &["1000, the limit is 256", "--columns total"],
     );
-    folder.refused("query site.helio -c conditions.csv -o site.helio/map.fgb", &["site.helio"]);
+    folder.refused("replay site.helio -c conditions.csv -o site.helio/map.fgb", &["site.helio"]);
     let left = fs::read_dir(folder.path(""))
         .expect("the folder")
         .filter_map(|entry| entry.ok()?.file_name().into_string().ok());
@@ -369,7 +369,7 @@ fn wrong_maps_are_refused_and_leave_no_file() {
 
     // Two conditions are two columns of each component; receivers without a patch are squares of
     // their area.
-    let output = folder.run("query site.helio -c conditions.csv --columns total -o map.parquet --geo");
+    let output = folder.run("replay site.helio -c conditions.csv --columns total -o map.parquet --geo");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let (geo, map) = geoparquet(&folder.path("map.parquet"));
     assert!(geo["columns"]["geometry"]["crs"].is_null());
@@ -393,7 +393,7 @@ fn large_geojson_is_warned() {
     let build = "build scene.obj --materials materials.toml --receivers receivers.csv --crs 28992 --quality draft -o site.helio";
     let built = folder.run(build);
     assert_eq!(built.status.code(), Some(0), "{}", stderr(&built));
-    let query = "query site.helio -c conditions.csv --columns total";
+    let query = "replay site.helio -c conditions.csv --columns total";
     let many = folder.run(&format!("{query} -o map.geojson"));
     assert!(many.status.success() && stderr(&many).contains("map.geojson has 10001 polygons"), "{}", stderr(&many));
     let fewer = folder.run(&format!("{query} -r list.csv -o map.geojson"));

@@ -75,8 +75,8 @@ fn one_file_is_not_two() {
     folder.refused("receivers a.obj -o zz.csv --buried ./zz.csv", &["zz.csv", two]);
     folder.refused(&format!("buildings {archive} --weather {weather} -o z.csv --faces d/../z.csv"), &["z.csv", two]);
     folder.refused("tradeoff a.obj -r d/tradeoff.csv -o d", &["d/tradeoff.csv", input]);
-    folder.refused(&format!("audit {archive} a.obj --conditions d/audit.csv -o d"), &["d/audit.csv", input]);
-    folder.refused("extract z.helio.partial --bbox 0,0,9,9 -o z.helio", &["z.helio.partial", input]);
+    folder.refused(&format!("archive audit {archive} a.obj --conditions d/audit.csv -o d"), &["d/audit.csv", input]);
+    folder.refused("archive extract z.helio.partial --bbox 0,0,9,9 -o z.helio", &["z.helio.partial", input]);
     assert_eq!(kept(), before);
 }
 

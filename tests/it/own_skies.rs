@@ -159,7 +159,7 @@ fn a_picture_gives_the_integral_of_its_radiance() {
         inside.map(|(d, sr)| 255.0 * normal.dot(d).max(0.0) * sr / 16.0).sum()
     };
     let flat = integral(DVec3::Z);
-    let given = "query open.helio --conditions one.csv --sky square.hdr --patches 2305 --columns sky_direct";
+    let given = "replay open.helio --conditions one.csv --sky square.hdr --patches 2305 --columns sky_direct";
     let found = rows(&folder, &format!("{given} --sky-scale given"));
     let turned = rows(&folder, &format!("{given} --sky-scale given --image-top 90"));
     for (tilt, azimuth) in SURFACES {
@@ -193,13 +193,14 @@ fn mask(side: usize, is_clear: impl Fn(usize, usize) -> bool) -> Vec<u8> {
 fn clouds_in_the_south_hide_the_sun_there() {
     let folder = open_surfaces();
     fs::write(folder.path("south.png"), mask(800, |_, row| row < 400)).expect("a mask");
-    let found = rows(&folder, "query open.helio --conditions one.csv --sky uniform --clouds south.png");
+    let found = rows(&folder, "replay open.helio --conditions one.csv --sky uniform --clouds south.png");
     for (name, expected) in [("sky_0_0", 50.0), ("sky_90_0", 50.0), ("sky_90_270", 25.0)] {
         let sky = value(&found, "noon", name, "sky_direct");
         assert!((sky - expected).abs() < 0.1, "{name}: {sky}");
         assert_eq!(value(&found, "noon", name, "sun_direct"), 0.0);
     }
-    let north = rows(&folder, "query open.helio --conditions one.csv --sky uniform --clouds south.png --image-top 180");
+    let north =
+        rows(&folder, "replay open.helio --conditions one.csv --sky uniform --clouds south.png --image-top 180");
     let sun = value(&north, "noon", "sky_0_0", "sun_direct");
     assert!((sun / (800.0 * 0.5_f64.sqrt()) - 1.0).abs() < 1e-4, "{sun}");
 }
@@ -224,8 +225,8 @@ fn clouds_dim_every_path() {
     let (quarter, clear) = (",0.25".repeat(145), ",1".repeat(145));
     folder.write("clouds.csv", &format!("condition{names}\nlater{clear}\nnoon{quarter}\n"));
     let (plain, dimmed) = (
-        rows(&folder, "query site.helio --conditions conditions.csv"),
-        rows(&folder, "query site.helio --conditions conditions.csv --clouds clouds.csv"),
+        rows(&folder, "replay site.helio --conditions conditions.csv"),
+        rows(&folder, "replay site.helio --conditions conditions.csv --clouds clouds.csv"),
     );
     let columns =
         ["sun_direct", "sky_direct", "sun_reflected", "sky_reflected", "sun_mirrored", "sky_mirrored", "total"];
@@ -250,14 +251,14 @@ fn equal_radiances_give_pi_times_the_radiance() {
     let folder = open_surfaces();
     let names: String = (0..577).map(|i| format!(",p{i}")).collect();
     folder.write("sky.csv", &format!("condition{names}\nnoon{}\n", ",100".repeat(577)));
-    let found = rows(&folder, "query open.helio --conditions one.csv --sky sky.csv --columns sky_direct");
+    let found = rows(&folder, "replay open.helio --conditions one.csv --sky sky.csv --columns sky_direct");
     for (name, expected) in [("sky_0_0", 100.0 * PI), ("sky_90_0", 50.0 * PI), ("sky_90_270", 50.0 * PI)] {
         let sky = value(&found, "noon", name, "sky_direct");
         assert!((sky / expected - 1.0).abs() < 1e-4, "{name}: {sky}");
     }
     folder.write("others.csv", &format!("condition{names}\nx{}\ny{}\n", ",1".repeat(577), ",1".repeat(577)));
     folder.refused(
-        "query open.helio --conditions one.csv --sky others.csv",
+        "replay open.helio --conditions one.csv --sky others.csv",
         &["others.csv", "none of 2 rows is named `noon`", "to fix: name rows as the results name them"],
     );
 }
@@ -293,7 +294,7 @@ fn bad_sky_files_are_refused() {
     ] {
         folder.refused(&format!("{weather} --sky {matrix}"), &[matrix, found, "to fix: ", fix]);
     }
-    let query = "query open.helio --conditions one.csv";
+    let query = "replay open.helio --conditions one.csv";
     for (more, parts) in [
         ("--sky wide.png", ["wide.png", "4 x 3 pixels are not a square", "crop it"]),
         ("--sky sky.png --sky-scale given", ["sky.png", "levels of a PNG are not radiances", "--sky-white"]),

@@ -202,7 +202,7 @@ fn factors_have_a_row_for_each_surface_and_direction() {
             String::from_utf8_lossy(&out.stderr).into_owned(),
         )
     };
-    let (code, table, said) = run(&["factors", "s.helio", "--by", "surface"]);
+    let (code, table, said) = run(&["energyplus", "factors", "s.helio", "--by", "surface"]);
     assert_eq!((code, table.lines().count()), (Some(0), 1 + 3 * 703), "{said}");
     assert_eq!(
         table.lines().next(),
@@ -210,9 +210,9 @@ fn factors_have_a_row_for_each_surface_and_direction() {
             "surface,sun_azimuth_deg,sun_altitude_deg,ReflFacBmToDiffSolObs,ReflFacBmToDiffSolGnd,ReflFacSkySolObs,ReflFacSkySolGnd,ReflFacBmToBmSolObs"
         )
     );
-    assert_eq!(run(&["factors", "s.helio", "--by", "surface"]).1, table);
+    assert_eq!(run(&["energyplus", "factors", "s.helio", "--by", "surface"]).1, table);
     for args in [["--azimuth-step", "7"], ["-o", "f.xlsx"]] {
-        assert_eq!(run(&["factors", "s.helio", args[0], args[1]]).0, Some(2));
+        assert_eq!(run(&["energyplus", "factors", "s.helio", args[0], args[1]]).0, Some(2));
     }
     fs::write(
         path("c.csv"),
@@ -221,7 +221,7 @@ fn factors_have_a_row_for_each_surface_and_direction() {
     .expect("written");
     fs::write(path("albedo.csv"), "reflectance\n0.1\n0.6\n").expect("written");
     let rows = |args: &[&str]| -> Vec<String> {
-        let (code, table, said) = run(&[&["query", "s.helio", "-c", "c.csv"], args].concat());
+        let (code, table, said) = run(&[&["replay", "s.helio", "-c", "c.csv"], args].concat());
         assert_eq!(code, Some(0), "{said}");
         table.lines().skip(1).map(str::to_owned).collect()
     };
@@ -235,8 +235,8 @@ fn factors_have_a_row_for_each_surface_and_direction() {
     let reflected = |row: usize| both[row].split(',').nth(4);
     assert!((0..3).any(|receiver| reflected(2 * receiver) != reflected(2 * receiver + 1)), "{both:?}");
     fs::write(path("albedo.csv"), "reflectance\n0.1\n").expect("written");
-    let (code, _, said) = run(&["query", "s.helio", "-c", "c.csv", "--schedule", "terrain=albedo.csv"]);
+    let (code, _, said) = run(&["replay", "s.helio", "-c", "c.csv", "--schedule", "terrain=albedo.csv"]);
     assert!(code == Some(2) && said.contains("1 values for a table of conditions of 2 rows"), "{said}");
-    let (code, _, said) = run(&["query", "s.helio", "-c", "c.csv", "--paths", "none", "--bounces", "3"]);
+    let (code, _, said) = run(&["replay", "s.helio", "-c", "c.csv", "--paths", "none", "--bounces", "3"]);
     assert!(code == Some(2) && said.contains("`bounces` among the paths"), "{said}");
 }

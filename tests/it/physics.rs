@@ -4,12 +4,12 @@ use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3};
 use heliotile_builder::settings::BuildSettings;
-use heliotile_builder::study::wall::Wall;
 use heliotile_core::hemisphere::{Frame, mix, unit};
 use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::units::SUN_RADIUS_RAD;
 
+use crate::facing_wall::Wall;
 use crate::scenes::*;
 
 /// Open-sky value that errors are a share of: DHI.

@@ -227,11 +227,11 @@ fn hours_seen_and_hidden_add_up_to_the_hours_of_sun() {
 fn points_are_marks_and_names_stay_text() {
     let folder = Folder::new();
     folder.build();
-    let table = stdout(&folder.run("query site.helio -c conditions.csv"));
+    let table = stdout(&folder.run("replay site.helio -c conditions.csv"));
     fs::rename(folder.path("site.helio"), folder.path("a<script>.helio")).expect("renamed");
     let one = fs::read_to_string(folder.path("conditions.csv")).expect("conditions");
     folder.write("one.csv", &one.lines().take(2).map(|line| format!("{line}\n")).collect::<String>());
-    let said = good(&folder, "query a<script>.helio -c one.csv --plot map.png");
+    let said = good(&folder, "replay a<script>.helio -c one.csv --plot map.png");
     assert!(said.is_empty() && !table.is_empty(), "{said}");
     let (width, pixels, _) = png(&folder.path("map.png"));
     let colours = |from: usize, to: usize| {
@@ -240,7 +240,7 @@ fn points_are_marks_and_names_stay_text() {
     };
     // Values may be equal, so colours are counted from 3 on.
     assert!(colours(64, pixels.len() / width - 92) >= 3);
-    good(&folder, "query a<script>.helio -c conditions.csv --plot bars.svg");
+    good(&folder, "replay a<script>.helio -c conditions.csv --plot bars.svg");
     let svg = fs::read_to_string(folder.path("bars.svg")).expect("a chart");
     assert!(
         !svg.contains("<script") && svg.matches("a&lt;script&gt;.helio under conditions.csv").count() == 1,
@@ -268,7 +268,7 @@ fn what_cannot_be_drawn_is_refused() {
     ] {
         folder.refused(&format!("replay site.helio -w w.epw {rest}"), parts);
     }
-    folder.refused("query site.helio -c conditions.csv --plot x.png", &["not 2", "--conditions with one line"]);
+    folder.refused("replay site.helio -c conditions.csv --plot x.png", &["not 2", "--conditions with one line"]);
     let left: Vec<String> = fs::read_dir(folder.path(""))
         .expect("a folder")
         .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())

@@ -54,7 +54,7 @@ fn south_is_symmetric_about_solar_noon() {
         stderr(&built)
     );
     let turn_deg = |options: &str| {
-        let output = folder.run(&format!("query s.helio -c suns.csv --columns sun_direct{options}"));
+        let output = folder.run(&format!("replay s.helio -c suns.csv --columns sun_direct{options}"));
         let said = stderr(&output).contains("the y axis points 2.27 degrees west of true north");
         assert_eq!(said, options.is_empty(), "{}", stderr(&output));
         let table = stdout(&output);
@@ -104,9 +104,9 @@ fn repair_keeps_the_place() {
     for options in ["--crs 25832", "--latitude 54 --longitude 6.2", "--rotate-deg 30"] {
         let parts =
             ["s.helio: keeps the place that was stated", "leave --crs, --latitude, --longitude and --rotate-deg"];
-        folder.refused(&format!("repair s.helio meadow.obj {options}"), &parts);
+        folder.refused(&format!("archive repair s.helio meadow.obj {options}"), &parts);
     }
-    let scaled = folder.run("repair s.helio meadow.obj --scale 1 --elevation 0");
+    let scaled = folder.run("archive repair s.helio meadow.obj --scale 1 --elevation 0");
     assert_eq!(scaled.status.code(), Some(0), "{}", stderr(&scaled));
 }
 
@@ -121,7 +121,7 @@ fn repaired(folder: &Folder, scene: &str, place: &str) {
     let mut bad = whole.clone();
     bad[at] ^= 1;
     std::fs::write(folder.path("s.helio"), &bad).expect("written");
-    let repaired = folder.run(&format!("repair s.helio {scene} -r south.csv"));
+    let repaired = folder.run(&format!("archive repair s.helio {scene} -r south.csv"));
     assert_eq!(repaired.status.code(), Some(0), "{}", stderr(&repaired));
     assert!(std::fs::read(folder.path("s.helio")).expect("repaired") == whole);
 }
@@ -174,7 +174,7 @@ fn a_run_with_another_turn_is_refused() {
 fn wrong_places_and_units_are_reported_before_work() {
     let folder = Folder::new();
     folder.write("far.csv", "receiver,x,y,z,nx,ny,nz\na,90000,5,1,0,0,1\nb,90001,5,1,0,0,1\n");
-    let plan = stderr(&folder.run("plan scene.obj -m materials.toml -r far.csv"));
+    let plan = stderr(&folder.run("build --dry-run scene.obj -m materials.toml -r far.csv"));
     assert!(plan.contains("far.csv: all 2 receivers lie far from the scene"), "{plan}");
     assert!(plan.contains("is 90 km from the scene"), "{plan}");
     let scene = std::fs::read_to_string(folder.path("scene.obj")).expect("written").replace('0', "0000");

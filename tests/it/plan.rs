@@ -306,7 +306,7 @@ fn plan_prints_the_effects_that_build_leaves_out() {
         (output.status.code(), text(&output.stdout), text(&output.stderr))
     };
     let inputs = ["s.obj", "-m", "m.toml", "-r", "r.csv"];
-    let (code, table, _) = run(&[&["plan"], &inputs[..]].concat());
+    let (code, table, _) = run(&[&["build", "--dry-run"][..], &inputs[..]].concat());
     let on = |table: &str| table.lines().filter(|line| line.contains(" on ")).count();
     assert_eq!((code, on(&table), table.lines().count()), (Some(0), 5, 10), "{table}");
     assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 4);
@@ -314,7 +314,7 @@ fn plan_prints_the_effects_that_build_leaves_out() {
     assert_eq!((code, on(&head)), (Some(0), 2), "{head}");
     let (_, info, _) = run(&["info", "n.helio"]);
     assert!(info.contains("left out    diffuse, bounces, mirrors"), "{info}");
-    let query = ["query", "n.helio", "--conditions", "c.csv"];
+    let query = ["replay", "n.helio", "--conditions", "c.csv"];
     let (code, rows, _) = run(&query);
     assert_eq!(code, Some(0));
     for row in rows.lines().skip(1) {
@@ -327,7 +327,7 @@ fn plan_prints_the_effects_that_build_leaves_out() {
     // where that no longer holds.
     fs::copy(data("../weather/golden_3_days.epw"), path("w.epw")).expect("a copy");
     let under = ["-w", "w.epw"];
-    let (code, table, _) = run(&[&["plan"], &inputs[..], &under[..]].concat());
+    let (code, table, _) = run(&[&["build", "--dry-run"][..], &inputs[..], &under[..]].concat());
     assert!(code == Some(0) && table.contains("sums over w.epw of 2 receivers") && on(&table) == 5, "{table}");
     let allowed = ["--negligible", "5%", "-o", "w.helio"];
     let (code, head, _) = run(&[&["build"], &inputs[..], &under[..], &allowed[..]].concat());

@@ -126,11 +126,13 @@ fn previews_are_reported_and_completed() {
     let info = Command::new(env!("CARGO_BIN_EXE_heliotile")).current_dir(at).args(["info", "after.helio"]).output();
     let info = String::from_utf8(info.expect("the program").stdout).expect("text");
     assert!(info.contains("  preview     light is off by at most 1 % of that on open ground"), "{info}");
-    let said = done("query after.helio --conditions c.csv -o out.csv");
+    let said = done("replay after.helio --conditions c.csv -o out.csv");
     assert!(said.contains("after.helio is a preview: light is off by at most 1 %"), "{said}");
     let said = done("compare before.helio after.helio -c c.csv -o change.csv");
     assert!(said.contains("after.helio is a preview: light is off by at most 1 %"), "{said}");
-    for line in ["merge after.helio before.helio -o m.helio", "merge whole.helio after.helio -o m.helio"] {
+    for line in
+        ["archive merge after.helio before.helio -o m.helio", "archive merge whole.helio after.helio -o m.helio"]
+    {
         refused(line, &["after.helio: the archive is a preview", "complete it"]);
     }
     refused("update after.helio --remove tower -o m.helio", &["is a preview", "without --preview"]);

@@ -122,7 +122,7 @@ fn shadows_of_rows_lie_where_their_edges_throw_them() {
         );
         good(
             &folder,
-            "query out/site.helio --conditions sun.csv --receivers out/ground.csv --columns sun_direct,total -o lit.csv",
+            "replay out/site.helio --conditions sun.csv --receivers out/ground.csv --columns sun_direct,total -o lit.csv",
         );
         let lit: HashMap<String, f64> =
             table(&folder, "lit.csv").iter().map(|row| (row["receiver"].clone(), number(row, "total"))).collect();

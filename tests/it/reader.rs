@@ -403,7 +403,7 @@ fn golden_rows_stay() {
         GOLDEN.into_iter().flat_map(|golden| [("all", "csv"), ("1", "bounces-1.csv")].map(|way| (golden, way)))
     {
         let output = Command::new(env!("CARGO_BIN_EXE_heliotile"))
-            .args(["query", "--bounces", bounces, "--conditions"])
+            .args(["replay", "--bounces", bounces, "--conditions"])
             .args([golden(version, "conditions.csv"), golden(version, "helio")])
             .output()
             .expect("the program");
@@ -439,12 +439,19 @@ fn archives_of_other_formats_are_refused_by_all_commands() {
     let conditions = golden("v1.6-mirrors", "conditions.csv");
     for arguments in [
         vec!["info".as_ref(), old.as_os_str()],
-        vec!["verify".as_ref(), old.as_ref()],
-        vec!["query".as_ref(), old.as_ref(), "--conditions".as_ref(), conditions.as_ref()],
-        vec!["factors".as_ref(), old.as_ref()],
-        vec!["extract".as_ref(), old.as_ref(), "--bbox=-9,-9,9,9".as_ref(), "-o".as_ref(), part.as_ref()],
-        vec!["merge".as_ref(), old.as_ref(), old.as_ref(), "-o".as_ref(), part.as_ref()],
-        vec!["diff".as_ref(), old.as_ref(), old.as_ref()],
+        vec!["archive".as_ref(), "verify".as_ref(), old.as_ref()],
+        vec!["replay".as_ref(), old.as_ref(), "--conditions".as_ref(), conditions.as_ref()],
+        vec!["energyplus".as_ref(), "factors".as_ref(), old.as_ref()],
+        vec![
+            "archive".as_ref(),
+            "extract".as_ref(),
+            old.as_ref(),
+            "--bbox=-9,-9,9,9".as_ref(),
+            "-o".as_ref(),
+            part.as_ref(),
+        ],
+        vec!["archive".as_ref(), "merge".as_ref(), old.as_ref(), old.as_ref(), "-o".as_ref(), part.as_ref()],
+        vec!["archive".as_ref(), "diff".as_ref(), old.as_ref(), old.as_ref()],
         vec!["export".as_ref(), old.as_ref(), "--receiver".as_ref(), "roof".as_ref(), "-o".as_ref(), map.as_ref()],
     ] {
         let output = Command::new(env!("CARGO_BIN_EXE_heliotile")).args(&arguments).output().expect("the program");

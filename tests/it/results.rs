@@ -61,9 +61,9 @@ fn chosen_columns_are_written_in_their_order() {
     for (place, values) in &two {
         assert_eq!(values[..], [whole[place][6], whole[place][1]]);
     }
-    let (header, one) = table(&folder.run("query site.helio -c conditions.csv --columns sun_reflected"));
+    let (header, one) = table(&folder.run("replay site.helio -c conditions.csv --columns sun_reflected"));
     assert_eq!((header.as_str(), one.len()), ("condition,receiver,sun_reflected", 8));
-    let query = "query site.helio -c conditions.csv --columns";
+    let query = "replay site.helio -c conditions.csv --columns";
     folder.refused(&format!("{query} sun"), &["`sun` is not a known column", "sun_direct", "sky_mirrored", "total"]);
     folder.refused(&format!("{query} total,total"), &["`total` is named twice"]);
     folder.refused(&format!("{query} total,"), &["`` is not a known column"]);
@@ -122,7 +122,7 @@ fn listed_receivers_keep_the_rows_of_the_table() {
     assert_eq!((whole.len(), few.len()), (4 * 72, 2 * 72));
     assert!(few.iter().all(|(place, values)| whole[place] == *values));
     folder.write("odd.csv", "receiver\nroof\nattic\n");
-    let query = "query site.helio -c conditions.csv --receivers";
+    let query = "replay site.helio -c conditions.csv --receivers";
     folder.refused(&format!("{query} odd.csv"), &["odd.csv", "attic (line 3)"]);
     folder.refused(&format!("{query} conditions.csv"), &["`receiver`"]);
     folder.refused(&format!("{query} few.csv -o few.csv"), &["few.csv", "input"]);
@@ -135,7 +135,7 @@ fn listed_receivers_keep_the_rows_of_the_table() {
 #[test]
 fn selections_keep_the_rows_of_two_tiles() {
     let folder = roof();
-    let query = "query site.helio -c conditions.csv";
+    let query = "replay site.helio -c conditions.csv";
     let (_, whole) = table(&folder.run(query));
     // Rows in the order of the archive, which ends in the second tile.
     let text = stdout(&folder.run(query));
@@ -172,11 +172,11 @@ fn surfaces_are_means_weighted_by_area() {
         }
     }
     folder.write("few.csv", "receiver\nhigh\n");
-    let (_, part) = table(&folder.run("query site.helio -c conditions.csv --by surface --receivers few.csv"));
-    let (_, all) = table(&folder.run("query site.helio -c conditions.csv"));
+    let (_, part) = table(&folder.run("replay site.helio -c conditions.csv --by surface --receivers few.csv"));
+    let (_, all) = table(&folder.run("replay site.helio -c conditions.csv"));
     assert_eq!((part.len(), &part[&key("noon", "front")][..7]), (2, &all[&key("noon", "high")][..]));
 
-    let query = "query site.helio -c conditions.csv --by surface";
+    let query = "replay site.helio -c conditions.csv --by surface";
     for (rows, parts) in [
         ("a,5,5,10.02,0,0,1,1,\n", ["1 receivers have no surface: a", "--receivers"]),
         (

@@ -138,15 +138,8 @@ fn a_second_run_traces_nothing() {
     let report = run("--spacing 5m");
     let made = folder.path("a.sun");
     assert_eq!(names(&made), ["golden_3_days", "receivers.csv", "site.helio"]);
-    let results = [
-        "annual.csv",
-        "annual.csv-metadata.json",
-        "annual.ply",
-        "annual.png",
-        "index.html",
-        "made-from.json",
-        "months.svg",
-    ];
+    let results =
+        ["annual.csv", "annual.csv-metadata.json", "annual.png", "index.html", "made-from.json", "months.svg"];
     assert_eq!(names(&made.join("golden_3_days")), results);
     let table = rows(&read(&made.join("golden_3_days/annual.csv")));
     let count = rows(&read(&made.join("receivers.csv"))).len();

@@ -458,7 +458,8 @@ fn wrong_sunlight_requests_are_refused() {
     let draft = folder.run("sunlight s.helio --dates 03-21 -o -");
     assert!(draft.status.code() == Some(0) && stderr(&draft).contains("minutes to pass it"), "{}", stderr(&draft));
     assert!(
-        run(&folder, "rules").contains("tno-light") && run(&folder, "rules en-17037").contains("least_altitude_deg")
+        run(&folder, "info --rule all").contains("tno-light")
+            && run(&folder, "info --rule en-17037").contains("least_altitude_deg")
     );
-    assert_eq!(folder.run("rules nothing").status.code(), Some(2));
+    assert_eq!(folder.run("info --rule nothing").status.code(), Some(2));
 }

@@ -171,7 +171,8 @@ fn every_file_states_its_sources() {
         let again = if said_in == name { other } else { said_in.to_string() };
         assert!(before == fs::read(folder.path(&again)).expect("a file"), "{name}");
     }
-    let run = format!("run scene.obj -m materials.toml --weather {} --quality draft -o out", weather.display());
+    let run =
+        format!("run scene.obj -m materials.toml --weather {} --quality draft --map ply -o out", weather.display());
     assert_eq!(folder.run(&run).status.code(), Some(0));
     for name in ["out/golden_3_days/annual.ply", "out/golden_3_days/annual.csv-metadata.json"] {
         let text = text_of(&folder.path(name));
@@ -196,7 +197,7 @@ fn a_file_beside_a_table_replaces_no_input() {
     let folder = Folder::new();
     folder.build();
     folder.write("t.csv-metadata.json", "receiver\nroof\n");
-    let query = "query site.helio -c conditions.csv";
+    let query = "replay site.helio -c conditions.csv";
     folder.refused(
         &format!("{query} --receivers t.csv-metadata.json -o t.csv"),
         &["t.csv-metadata.json", "also an input"],

@@ -132,7 +132,7 @@ impl Town {
     /// Returns the lines of `query`, sorted.
     fn rows(&self, archive: &str) -> Vec<String> {
         let mut rows: Vec<String> =
-            self.run(&format!("query {archive} -c c.csv")).1.lines().map(str::to_owned).collect();
+            self.run(&format!("replay {archive} -c c.csv")).1.lines().map(str::to_owned).collect();
         rows.sort();
         rows
     }
@@ -206,7 +206,7 @@ fn a_tower_takes_sun_from_what_is_behind_it() {
     town.write("tower.obj", &TOWER.obj());
     town.done("update before.helio --add tower.obj -m m.toml --spacing 8m -o after.helio");
     let value = |archive: &str, receiver: &str, condition: &str| -> f64 {
-        let (_, rows, _) = town.run(&format!("query {archive} -c c.csv"));
+        let (_, rows, _) = town.run(&format!("replay {archive} -c c.csv"));
         let row =
             rows.lines().find(|row| row.starts_with(&format!("{condition},{receiver},"))).expect("a row").to_owned();
         let names = rows.lines().next().expect("names").split(',');

@@ -272,8 +272,8 @@ pub fn run(folder: &Path, line: &str) -> (Option<i32>, String) {
 }
 
 /// `build --from` an archive without reflections, where no hit is stored, has the bytes of a build
-/// without, and so has `--store`. Other settings and an archive of another site are reported and
-/// not used. An archive without its scene, and the archive that is to be written, are refused. A
+/// without, also if nothing has changed. Other settings and an archive of another site are reported
+/// and not used. An archive without its scene, and the archive that is to be written, are refused. A
 /// folder of `run --from` holds the archive of `run`.
 #[test]
 fn build_from_an_archive_has_the_bytes_of_a_build() {
@@ -303,8 +303,8 @@ fn build_from_an_archive_has_the_bytes_of_a_build() {
     for effects in ["none", "all"] {
         let build =
             |scene: &str, more: &str| done(&format!("build {scene}.obj -m m.toml -r r.csv --effects {effects} {more}"));
-        build("a", &format!("--store store -o a-{effects}.helio"));
-        build("a", &format!("--store store -o again-{effects}.helio"));
+        build("a", &format!("-o a-{effects}.helio"));
+        build("a", &format!("--from a-{effects}.helio -o again-{effects}.helio"));
         assert!(bytes(&format!("a-{effects}.helio")) == bytes(&format!("again-{effects}.helio")), "{effects}");
         build("b", &format!("-o b-{effects}.helio"));
         let said = build("b", &format!("--from a-{effects}.helio -o from-{effects}.helio"));

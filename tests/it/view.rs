@@ -102,7 +102,7 @@ fn view_serves_the_parts_of_an_atlas() {
     let folder = Folder::new();
     let model = std::path::Path::new(crate::ROOT).join("tests/data/cityjson/hague.city.json");
     let cut = "--crs EPSG:28992 --spacing 4m --quality draft --part-size 45m --sample 0 -o atlas";
-    assert!(folder.run(&format!("partition {} {cut}", model.display())).status.success());
+    assert!(folder.run(&format!("atlas partition {} {cut}", model.display())).status.success());
     folder.refused("view atlas --port 0", &["atlas", "has no built part"]);
     for part in ["x1749_y10177", "x1750_y10177"] {
         assert!(folder.run(&format!("build atlas --part {part}")).status.success());

@@ -186,7 +186,7 @@ fn twilight_keeps_dhi_and_leaves_dni_out() {
 #[test]
 fn a_huge_dni_at_the_horizon_stays_finite() {
     let text = "condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2\na,90,0.1,1000000,10\n";
-    let output = run("query", "--conditions", text, "");
+    let output = run("replay", "--conditions", text, "");
     let table = String::from_utf8_lossy(&output.stdout).into_owned();
     let sun = |id: &str| -> f64 {
         let row = table.lines().find(|l| l.starts_with(&format!("a,{id},"))).expect("the receiver");
@@ -288,7 +288,7 @@ fn packed_weather_is_read_and_bombs_are_refused() {
     };
     let conditions = b"condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2\nnoon,180,50,800,100\n".as_slice();
     let weather = fs::read(data("golden_3_days.epw")).expect("data");
-    for (command, option, bytes) in [("query", "--conditions", conditions), ("replay", "--weather", &weather)] {
+    for (command, option, bytes) in [("replay", "--conditions", conditions), ("replay", "--weather", &weather)] {
         let (plain, packed) = (run(command, option, bytes), run(command, option, &pack(bytes)));
         assert_eq!((plain.status.code(), packed.status.code()), (Some(0), Some(0)));
         assert!(plain.stdout.len() > 100 && plain.stdout == packed.stdout, "{command}");

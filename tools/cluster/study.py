@@ -73,7 +73,7 @@ class Study:
         self.whole, self.plan = folder / "whole.helio", folder / "plan"
         how = ["--spacing", args.spacing, *self.crs, "--quality", args.quality]
         cut = ["--part-size", args.part_size, "--halo", args.halo]
-        seconds = program("partition", args.scene, *how, *cut, "-o", self.plan)
+        seconds = program("atlas", "partition", args.scene, *how, *cut, "-o", self.plan)
         self.seams = json.loads((self.plan / "atlas.json").read_text())["seams"]
         self.parts = len(heliotile.Atlas.open(self.plan).parts())
         print(f"{self.parts} parts of {args.part_size}, planned in {seconds[0]:.1f} s", flush=True)
@@ -152,7 +152,7 @@ class Study:
             names = {part.name for part in atlas.parts()}
             check(states <= {"built", "empty"} and folders <= names, f"round {turn}: parts are {' and '.join(sorted(states))}, {len(folders)} folders, no other part")
             print(f"      {len(strays)} other files beside them: {', '.join(sorted(set(strays))) or 'none'}")
-            program("verify", atlas.path)
+            program("archive", "verify", atlas.path)
         check(not wrong, f"{looks} archives seen right after kills, {len(wrong)} of them not whole")
         print(f"{self.args.kills} kills while {parts} parts were built", flush=True)
 

@@ -68,7 +68,7 @@ def conditions(epw, clear, mixed, overcast):
 
 
 def write_conditions(chosen, path):
-    """`conditions.csv` of `heliotile query`."""
+    """`conditions.csv` of `heliotile replay`."""
     lines = [f"{c.name},{c.azimuth_deg},{c.altitude_deg},{c.dni_w_m2},{c.dhi_w_m2}" for c in chosen]
     Path(path).write_text("condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2\n" + "\n".join(lines) + "\n")
 

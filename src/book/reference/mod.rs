@@ -16,14 +16,8 @@ pub mod receivers {}
 #[doc = include_str!("build.md")]
 pub mod build {}
 
-#[doc = include_str!("plan.md")]
-pub mod plan {}
-
 #[doc = include_str!("update.md")]
 pub mod update {}
-
-#[doc = include_str!("query.md")]
-pub mod query {}
 
 #[doc = include_str!("replay.md")]
 pub mod replay {}
@@ -40,8 +34,8 @@ pub mod glare {}
 #[doc = include_str!("comfort.md")]
 pub mod comfort {}
 
-#[doc = include_str!("factors.md")]
-pub mod factors {}
+#[doc = include_str!("energyplus-factors.md")]
+pub mod energyplus_factors {}
 
 #[doc = include_str!("buildings.md")]
 pub mod buildings {}
@@ -49,26 +43,23 @@ pub mod buildings {}
 #[doc = include_str!("places.md")]
 pub mod places {}
 
-#[doc = include_str!("rules.md")]
-pub mod rules {}
-
 #[doc = include_str!("info.md")]
 pub mod info {}
 
-#[doc = include_str!("verify.md")]
-pub mod verify {}
+#[doc = include_str!("archive-verify.md")]
+pub mod archive_verify {}
 
-#[doc = include_str!("audit.md")]
-pub mod audit {}
+#[doc = include_str!("archive-audit.md")]
+pub mod archive_audit {}
 
 #[doc = include_str!("tradeoff.md")]
 pub mod tradeoff {}
 
-#[doc = include_str!("diff.md")]
-pub mod diff {}
+#[doc = include_str!("archive-diff.md")]
+pub mod archive_diff {}
 
-#[doc = include_str!("repair.md")]
-pub mod repair {}
+#[doc = include_str!("archive-repair.md")]
+pub mod archive_repair {}
 
 #[doc = include_str!("view.md")]
 pub mod view {}
@@ -76,20 +67,17 @@ pub mod view {}
 #[doc = include_str!("export.md")]
 pub mod export {}
 
-#[doc = include_str!("extract.md")]
-pub mod extract {}
+#[doc = include_str!("archive-extract.md")]
+pub mod archive_extract {}
 
-#[doc = include_str!("merge.md")]
-pub mod merge {}
+#[doc = include_str!("archive-merge.md")]
+pub mod archive_merge {}
 
-#[doc = include_str!("copy.md")]
-pub mod copy {}
+#[doc = include_str!("archive-copy.md")]
+pub mod archive_copy {}
 
-#[doc = include_str!("partition.md")]
-pub mod partition {}
+#[doc = include_str!("atlas-partition.md")]
+pub mod atlas_partition {}
 
-#[doc = include_str!("find.md")]
-pub mod find {}
-
-#[doc = include_str!("catalogue.md")]
-pub mod catalogue {}
+#[doc = include_str!("atlas-catalogue.md")]
+pub mod atlas_catalogue {}

@@ -11,7 +11,6 @@ use super::{EffectsUnder, ErrorTarget, PlanReport, PlanRequest, tables};
 use crate::accuracy::conditions::ErrorConditions;
 use crate::pipeline::{Build, BuildReport, Output, Plan, ReusedArchives};
 use crate::settings::{BuildSettings, EffectChoice, Quality, Rungs, Share};
-use crate::store::{Folder, Store, StoreKey, open_all};
 use crate::writing::claim::same_place;
 use heliotile_core::archive::Archive;
 use heliotile_core::error::{Error, Result};
@@ -98,9 +97,6 @@ pub struct BuildRequest<'a> {
     pub under: Option<EffectsUnder<'a>>,
     /// True if the archive holds the scene's triangles.
     pub with_scene: bool,
-    /// Store in which the build looks up what earlier builds traced, and to which it adds its
-    /// archive.
-    pub store: Option<Folder>,
     /// Archive of the scene before it was changed. Layers that the change does not alter are copied
     /// from it.
     pub from: Option<&'a Archive>,
@@ -172,14 +168,8 @@ impl Build<'_> {
         let (with_scene, preview_percent) = (request.with_scene, request.preview_percent);
         let plan = &Plan { with_scene, preview_percent, ..planned.plan.clone() };
         let scene = self.scene.scene;
-        let key = StoreKey { scene: scene.content_hash(), settings: plan.settings.hash()? };
-        let earlier = request.store.as_ref().map_or(Ok(Vec::new()), |store| open_all(store, &key, observer))?;
-        let sources = ReusedArchives { earlier: &earlier, before: request.from };
+        let sources = ReusedArchives { earlier: &[], before: request.from };
         let report = self.write(plan, output, &sources)?;
-        // A preview holds layers of an older scene, so other builds must not reuse it.
-        if let Some(store) = request.store.as_ref().filter(|_| report.preview.is_none()) {
-            store.add(&key, &output.path, &report.root)?;
-        }
         report.warnings.iter().for_each(|warning| observer.warn(warning));
         observer.report(tables::summary(&report, scene, &output.path));
         if let Some(choice) = &planned.choice {

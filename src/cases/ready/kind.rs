@@ -76,7 +76,7 @@ fn advice(wanted: InputKind, kind: Kind, file: &str) -> Message {
         }
         (_, Kind::Weather(_)) => message!("give weather with its name: {{weather}} {file}"),
         (_, Kind::Receivers) => message!("give receivers with their name: {{receivers}} {file}"),
-        (_, Kind::Conditions) => message!("{{command:query}} SITE.helio --conditions {file}"),
+        (_, Kind::Conditions) => message!("{{command:replay}} SITE.helio --conditions {file}"),
         (InputKind::Receivers, Kind::Scene(_)) => {
             message!("make receivers for the scene: {{command:receivers}} {file} -o receivers.csv")
         }

@@ -60,7 +60,6 @@ fn output_of(path: &Path, written: OutputKind) -> Option<ClaimedOutput> {
     match written {
         OutputKind::Archive => Some(ClaimedOutput::archive(path)),
         OutputKind::Folder(names) => Some(ClaimedOutput::folder(path, names)),
-        OutputKind::SharedFolder => Some(ClaimedOutput::shared(path)),
         _ if path == Path::new("-") => None,
         OutputKind::Table | OutputKind::Results | OutputKind::Csv => {
             Some(ClaimedOutput::file(path, files_of(path).into_iter().skip(1).collect()))
@@ -70,9 +69,7 @@ fn output_of(path: &Path, written: OutputKind) -> Option<ClaimedOutput> {
 }
 
 fn check_output(path: &Path, written: OutputKind, geo: bool) -> Result<()> {
-    if path == Path::new("-")
-        && !matches!(written, OutputKind::Archive | OutputKind::Folder(_) | OutputKind::SharedFolder)
-    {
+    if path == Path::new("-") && !matches!(written, OutputKind::Archive | OutputKind::Folder(_)) {
         return Ok(());
     }
     if is_address(path) {
@@ -86,9 +83,7 @@ fn check_output(path: &Path, written: OutputKind, geo: bool) -> Result<()> {
         OutputKind::Results if is_city_model(path) => {}
         OutputKind::Results => drop(ResultFormat::of(path, geo)?),
         OutputKind::Csv => check_name(path)?,
-        OutputKind::Folder(_) | OutputKind::SharedFolder
-            if FILES.contains(&ending(path).as_str()) && !path.is_dir() =>
-        {
+        OutputKind::Folder(_) if FILES.contains(&ending(path).as_str()) && !path.is_dir() => {
             let what = "has the ending of a file, and the output is a folder of several files";
             return Err(Error::input(
                 path,
@@ -97,12 +92,12 @@ fn check_output(path: &Path, written: OutputKind, geo: bool) -> Result<()> {
                 format!("give a folder: {}", path.with_extension("").display()),
             ));
         }
-        OutputKind::Folder(_) | OutputKind::SharedFolder if path.exists() && !path.is_dir() => {
+        OutputKind::Folder(_) if path.exists() && !path.is_dir() => {
             let what = "is an existing file, and the output is a folder";
             return Err(Error::input(path, None, what, "give the folder another name"));
         }
         // The folder is made together with its parents.
-        OutputKind::Folder(_) | OutputKind::SharedFolder => return Ok(()),
+        OutputKind::Folder(_) => return Ok(()),
         OutputKind::File => {}
     }
     let folder = folder_of(path);

@@ -111,7 +111,7 @@ fn inputs_in_folder(command: &Command, output: &Row, input: &Row, names: &[&str]
 
 /// A pair of an output with an input, or with another output, is refused where both are one file,
 /// by its own name, through a link and through `./`, and so is an input in a folder that would be
-/// written over it; with two files each request passes. 221 pairs of 17 commands, and 20 of files
+/// written over it; with two files each request passes. 207 pairs of 16 commands, and 20 of files
 /// in folders; no byte of an input is changed.
 #[test]
 fn no_output_is_an_input_or_another_output() {
@@ -122,8 +122,7 @@ fn no_output_is_an_input_or_another_output() {
         let mut pairs_here = 0;
         for output in outputs {
             for other in rows.iter().filter(|row| matches!(row.role, Role::Input(_) | Role::Output(_))) {
-                let is_folder =
-                    |row: &Row| matches!(row.role, Role::Output(OutputKind::Folder(_) | OutputKind::SharedFolder));
+                let is_folder = |row: &Row| matches!(row.role, Role::Output(OutputKind::Folder(_)));
                 if let (Role::Output(OutputKind::Folder(names)), Role::Input(_)) = (output.role, other.role) {
                     inside += inputs_in_folder(command, output, other, names);
                 }
@@ -164,6 +163,6 @@ fn no_output_is_an_input_or_another_output() {
         commands += usize::from(pairs_here > 0);
     }
     let skips = skipped.join("\n");
-    assert!(pairs >= 221 && commands >= 17, "{pairs} pairs of {commands} commands; skipped:\n{skips}");
+    assert!(pairs >= 207 && commands >= 16, "{pairs} pairs of {commands} commands; skipped:\n{skips}");
     assert!(inside >= 20, "{inside} pairs of folders");
 }

@@ -12,7 +12,6 @@
 //! | `surroundings` | longwave irradiance of six planes from sky, ground and obstructions |
 //! | `index_curve` | an index of an hour at many places |
 //! | `people` | points of an archive: their planes, the climate of an hour, their values |
-//! | `solar_gain` | SolarCal of ASHRAE 55: effective radiant field of the sun |
 //! | `humidity` | saturation pressure and vapour pressure of water |
 //! | `wind` | wind at the height of a body |
 //! | `bracketed_root` | root of a function of one variable |
@@ -32,7 +31,6 @@ pub mod people;
 pub mod pet;
 mod pet_balance;
 mod pet_body;
-pub mod solar_gain;
 pub mod surroundings;
 pub mod utci;
 mod utci_polynomial;

@@ -3,7 +3,6 @@
 //! In: files of `tests/data/comfort`. Every row counts, also those that are kept from R.
 
 use crate::comfort::pet::{PetClimate, PetPerson, SEA_LEVEL_HPA, pet_c};
-use crate::comfort::solar_gain::{SolarGainInput, SunAngles, SunPosture, solar_gain};
 use crate::comfort::utci::{StressCategory, UtciInput, utci_c};
 use serde_json::Value;
 
@@ -98,36 +97,4 @@ fn all_pet_of_the_table_are_met() {
         assert!(got.is_some_and(|got| (got - number(outputs, "pet", 0)).abs() < 0.006), "{inputs}: {got:?}");
     }
     assert_eq!(table.rows().count(), 9);
-}
-
-/// All 27 effective radiant fields and increases of the mean radiant temperature are met within
-/// 0.1.
-#[test]
-fn all_solar_gains_of_the_table_are_met() {
-    let table =
-        Table::read(include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/comfort/ts_solar_gain.json")));
-    for (inputs, outputs) in table.rows() {
-        let input = SolarGainInput {
-            sun: SunAngles {
-                altitude_deg: number(inputs, "sol_altitude", 0),
-                from_front_deg: number(inputs, "sharp", 0),
-            },
-            beam_normal_w_m2: number(inputs, "sol_radiation_dir", 0),
-            diffuse_horizontal_w_m2: None,
-            transmittance: number(inputs, "sol_transmittance", 0),
-            sky_view_fraction: number(inputs, "f_svv", 0),
-            exposed_fraction: number(inputs, "f_bes", 0),
-            shortwave_absorptivity: number(inputs, "asw", 0),
-            floor_reflectance: 0.6,
-            posture: match inputs["posture"].as_str() {
-                Some("sitting") => SunPosture::Sitting,
-                Some("standing") => SunPosture::Standing,
-                _ => SunPosture::Supine,
-            },
-        };
-        let got = solar_gain(&input);
-        table.assert_close("erf", &outputs["erf"], got.map(|gain| gain.effective_radiant_field_w_m2), inputs);
-        table.assert_close("delta_mrt", &outputs["delta_mrt"], got.map(|gain| gain.mean_radiant_increase_k), inputs);
-    }
-    assert_eq!(table.rows().count(), 27);
 }

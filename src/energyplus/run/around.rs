@@ -9,7 +9,7 @@ use super::Task;
 use crate::neighbours::{Neighbours, Spot, convergence_deg};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::material::{Class, Material};
-use heliotile_core::text::counted;
+use heliotile_core::text::{Message, counted, message};
 use heliotile_scene::Scene;
 use heliotile_scene::covering::surfaces::Surfaces;
 use heliotile_scene::load::Soup;
@@ -101,15 +101,16 @@ const OFF_THE_GROUND_M: f64 = 1.0;
 
 /// Describes an odd place of a model's origin among its surroundings: outside of them, or off the
 /// ground.
-fn how_it_stands(origin: DVec3, soup: &Soup, materials: &[Material]) -> Option<String> {
+fn how_it_stands(origin: DVec3, soup: &Soup, materials: &[Material]) -> Option<Message> {
     let (low, high) = soup.bounds();
-    let (at, hint) = (format!("the model's origin, {:.1} {:.1}", origin.x, origin.y), "set its place with {at} E,N,Z");
+    let (at, hint) = (
+        format!("the model's origin, {:.1} {:.1}", origin.x, origin.y),
+        Message::from("; set its place with {at} E,N,Z"),
+    );
     let place = origin.truncate();
     if place.cmplt(low.truncate()).any() || place.cmpgt(high.truncate()).any() {
-        return Some(format!(
-            "{at}, lies outside its surroundings ({:.1} {:.1} to {:.1} {:.1}), with no ground below it; {hint}",
-            low.x, low.y, high.x, high.y
-        ));
+        let around = format!("{:.1} {:.1} to {:.1} {:.1}", low.x, low.y, high.x, high.y);
+        return Some(message!("{at}, lies outside its surroundings ({around}), with no ground below it").and(hint));
     }
     let is_ground = |material: u16| materials.get(usize::from(material)).is_some_and(|m| m.class == Class::Ground);
     let ground = soup.triangles.iter().zip(&soup.materials).filter(|(_, material)| is_ground(**material));
@@ -122,10 +123,11 @@ fn how_it_stands(origin: DVec3, soup: &Soup, materials: &[Material]) -> Option<S
     let off = origin.z - nearest;
     (off.abs() > OFF_THE_GROUND_M).then(|| {
         let side = if off > 0.0 { "above" } else { "below" };
-        format!(
-            "{at}, stands {:.1} m {side} the ground of its surroundings, which lies at {nearest:.2} m there; {hint}",
+        message!(
+            "{at}, stands {:.1} m {side} the ground of its surroundings, which lies at {nearest:.2} m there",
             off.abs()
         )
+        .and(hint)
     })
 }
 

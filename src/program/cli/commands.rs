@@ -47,12 +47,12 @@ mirrors and of skylit surfaces, and their sum, on one logarithmic scale; the irr
 
 /// Returns a command as clap parses it, with or without its options.
 pub fn parsed(of: &cases::Command, has_options: bool) -> Command {
-    let mut command = Command::new(of.name).about(of.about);
+    let mut command = Command::new(of.last_word()).about(of.about);
     if !has_options {
         return command;
     }
     let rows = (of.rows)();
-    if let Some((_, text)) = MORE.iter().find(|(name, _)| *name == of.name) {
+    if let Some((_, text)) = MORE.iter().find(|(name, _)| *name == of.last_word()) {
         command = command.after_long_help(*text);
     }
     let is_known = |name: &&str| rows.iter().any(|row| row.name == *name);

@@ -1,4 +1,4 @@
-//! `heliotile partition`, `catalogue` and `find`: regions in parts.
+//! `heliotile atlas`: regions in parts.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use heliotile::tables::tables;
 use heliotile::text::counted;
 use heliotile::{Error, Provenance, Result};
 
-/// `heliotile partition`.
+/// `heliotile atlas partition`.
 pub fn partition(request: &PartitionRequest, _: Provenance) -> Result<Outcome> {
     let plan = heliotile::atlas::partition(request, &Terminal::default())?;
     remark(summary(&plan, &request.atlas))?;
@@ -38,18 +38,18 @@ fn summary(plan: &AtlasPlan, atlas: &Path) -> String {
     )
 }
 
-/// `heliotile catalogue`.
+/// `heliotile atlas catalogue`.
 pub fn catalogue(args: &Catalogue, about: Provenance) -> Result<Outcome> {
     heliotile::atlas::catalogue(&args.atlas, &args.request, about, &Terminal::default())?;
     Ok(Outcome::Fine)
 }
 
-/// `heliotile find`: lists the parts that a box touches, one a line.
+/// `heliotile atlas find`: lists the parts that a box touches, one a line.
 pub fn find(args: &Find, _: Provenance) -> Result<Outcome> {
     let found = heliotile::atlas::parts(&args.atlas, args.bbox)?;
     if found.is_empty() {
         let what = "no part of the atlas touches the box";
-        return Err(Error::input(&shown(&args.atlas), None, what, "give --bbox in the coordinates of the scene files"));
+        return Err(Error::input(&shown(&args.atlas), None, what, "give {bbox} in the coordinates of the scene files"));
     }
     let mut out = String::from("part,x,y,state,archive\n");
     for part in found {

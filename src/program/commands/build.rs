@@ -1,8 +1,8 @@
-//! `heliotile build` and `plan`. In: a scene, receivers. Out: a forecast, or an archive.
+//! `heliotile build`. In: a scene, receivers. Out: an archive, or its forecast.
 
 use super::console::terminal::Terminal;
 use super::{Outcome, load_scene, say};
-use heliotile::cases::{Build, Plan};
+use heliotile::cases::Build;
 use heliotile::{Provenance, ReceiverCsv, Result};
 
 /// `heliotile build`.
@@ -12,14 +12,12 @@ pub fn run(args: &Build, _: Provenance) -> Result<Outcome> {
         args.parts(part, &terminal)?;
         return Ok(Outcome::Fine);
     }
+    if args.dry_run {
+        let (receivers, scene) = (args.receivers()?, load_scene(&args.scene)?);
+        say(&args.forecast(&scene, ReceiverCsv::File(receivers), &Terminal::default())?.text)?;
+        return Ok(Outcome::Fine);
+    }
     let (output, receivers) = args.check()?;
     args.trace(&load_scene(&args.scene)?, ReceiverCsv::File(receivers), output, &terminal)?;
-    Ok(Outcome::Fine)
-}
-
-/// `heliotile plan`.
-pub fn plan(args: &Plan, _: Provenance) -> Result<Outcome> {
-    let scene = load_scene(&args.scene)?;
-    say(&args.forecast(&scene, ReceiverCsv::File(&args.receivers), &Terminal::default())?.text)?;
     Ok(Outcome::Fine)
 }

@@ -3,7 +3,7 @@
 
 use std::fmt::Write;
 
-use super::{Outcome, say, scene, warn, weather};
+use super::{Outcome, say, scene, sunlight, warn, weather};
 use crate::cli::worded_text;
 use heliotile::archive::{Accuracy, TileNumber, format, open_archive, tables};
 use heliotile::atlas::{Atlas, VerifyRequest, about};
@@ -23,6 +23,9 @@ const MOST_SHOWN: usize = 80;
 
 /// `heliotile info`.
 pub fn info(args: &Info, _: Provenance) -> Result<Outcome> {
+    if let Some(name) = &args.rule {
+        return sunlight::rules(name);
+    }
     if let Some(file) = &args.weather {
         return weather::info(
             file,
@@ -207,7 +210,7 @@ fn say_accuracy(out: &mut String, a: &Accuracy) {
     }
 }
 
-/// `heliotile verify`: a damaged block is a finding (exit 1), not a failure of the program.
+/// `heliotile archive verify`: a damaged block is a finding (exit 1), not a failure of the program.
 pub fn verify(request: &VerifyRequest, _: Provenance) -> Result<Outcome> {
     let mut outcome = Outcome::Fine;
     request.each(|checked| {

@@ -26,8 +26,6 @@ pub mod run;
 mod scene;
 mod shells;
 mod starts;
-pub mod store;
-pub mod study;
 pub mod sunlight;
 pub mod tradeoff;
 pub mod transfer;
@@ -37,10 +35,10 @@ mod weather;
 
 use std::path::{Path, PathBuf};
 
-use crate::cli::{Asked, Cli, EverywhereArgs, Other, StudyArgs, StudyCommand};
+use crate::cli::{Asked, Cli, EverywhereArgs};
 use console::terminal::Terminal;
 use console::voice::{self, Volume, remark, say, warn};
-use heliotile::cases::{Given, claim_folder, prepared};
+use heliotile::cases::{Given, prepared};
 use heliotile::output::folder_of;
 use heliotile::requests::Request;
 use heliotile::tracing::Workspace;
@@ -63,7 +61,8 @@ pub fn run(Cli { command, everywhere }: &Cli, about: Provenance) -> Result<Outco
     set_up(everywhere)?;
     let outcome = match command {
         Asked::Case(command, given) => starts::carry_out(command, given, about),
-        Asked::Other(other) => run_other(other),
+        Asked::Completions(shell) => shells::completions(*shell),
+        Asked::Man(folder) => shells::man(folder),
     };
     if let Some(traffic) = heliotile::remote::traffic().filter(|_| everywhere.verbose) {
         voice::aside(&format!("{traffic}\n"));
@@ -80,22 +79,6 @@ pub fn start<R: Request + Default>(
     let prepared = prepared::<R>(given, &[], &|_| false)?;
     console::interrupt::clean_up();
     run(&prepared.request, about)
-}
-
-fn run_other(other: &Other) -> Result<Outcome> {
-    let folder = match other {
-        Other::Study(StudyArgs { command: StudyCommand::Wall(args) }) => Some(&args.output),
-        Other::Man(args) => Some(&args.output),
-        Other::Store(_) | Other::Completions(_) => None,
-    };
-    let _output = folder.map(|folder| claim_folder(folder)).transpose()?;
-    console::interrupt::clean_up();
-    match other {
-        Other::Store(args) => store::run(args),
-        Other::Study(args) => study::run(args),
-        Other::Completions(args) => shells::completions(args),
-        Other::Man(args) => shells::man(args),
-    }
 }
 
 /// Applies the options of all commands to the whole program.

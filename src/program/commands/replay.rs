@@ -1,4 +1,4 @@
-//! Commands that compute light from archives: `query`, `replay`, `compare`, `buildings`, `places`,
+//! Commands that compute light from archives: `replay`, `compare`, `buildings`, `places`,
 //! `factors`. In: arguments. Out: requests that are run, and a summary sentence.
 
 use std::io::IsTerminal;
@@ -7,18 +7,9 @@ use std::path::Path;
 use super::console::terminal::Terminal;
 use super::console::voice::remark_aside;
 use super::{Outcome, remark};
-use heliotile::cases::{Buildings, Compare, Factors, Places, Query, Replay, SelectionRequest, SiteRequest};
+use heliotile::cases::{Buildings, Compare, Factors, Places, Replay, SelectionRequest, SiteRequest};
 use heliotile::text::counted;
 use heliotile::{Error, Every, FileRequest, Provenance, Resources, Result};
-
-/// `heliotile query`.
-pub fn query(args: &Query, about: Provenance) -> Result<Outcome> {
-    with_resources(&args.site, |resources| {
-        let site = args.site.open(&args.receivers, about, resources.observer)?;
-        site.query(&args.request, &args.files, resources)
-    })?;
-    Ok(Outcome::Fine)
-}
 
 /// `heliotile replay`.
 pub fn replay(args: &Replay, about: Provenance) -> Result<Outcome> {
@@ -29,7 +20,7 @@ pub fn replay(args: &Replay, about: Provenance) -> Result<Outcome> {
     }
     let done = with_resources(&args.site, |resources| {
         let site = args.site.open(&args.receivers, about, resources.observer)?;
-        site.replay(&args.request, &args.files, resources)
+        site.write(&args.under()?, &args.files, resources)
     })?;
     done.map_or(Ok(()), |done| remark(&done))?;
     Ok(Outcome::Fine)
@@ -38,7 +29,8 @@ pub fn replay(args: &Replay, about: Provenance) -> Result<Outcome> {
 /// Returns true if the hours of all receivers would go to standard output as text.
 fn prints_hours(args: &Replay) -> bool {
     let FileRequest { output, plots, honeybee, .. } = &args.files;
-    args.request.every == Every::Hour && output == Path::new("-") && plots.is_empty() && honeybee.is_none()
+    let has_hours = args.under.weather.is_some() && args.request.every == Every::Hour;
+    has_hours && output == Path::new("-") && plots.is_empty() && honeybee.is_none()
 }
 
 /// `heliotile compare`.

@@ -27,7 +27,7 @@ fn summary(args: &Run, done: &RunDone) -> String {
     let word = |path: &Path| quoted(&path.to_string_lossy());
     let year = args.request.year.map_or(String::new(), |year| format!(" --year {year}"));
     format!(
-        "{}: {}; annual.ply is the map, annual.png a picture of it, index.html shows all of it in a browser\n{next}heliotile replay {} \
+        "{}: {}; annual.png is a map, index.html shows all of it in a browser\n{next}heliotile replay {} \
          --weather {}{}{year} --every hour -o hours.parquet\n",
         done.folder.display(),
         done.files.join(", "),

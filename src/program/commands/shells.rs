@@ -1,39 +1,41 @@
 //! Completions for shells and manual pages, made from the definition of the command line. In: a
 //! shell, or a folder. Out: a script, or pages.
 
+use std::path::Path;
+
 use clap::Command;
+use clap_complete::Shell;
 use clap_mangen::Man;
 
 use super::{Outcome, remark, say};
-use crate::cli::{CompletionsArgs, ManArgs, command_line};
+use crate::cli::command_line;
+use heliotile::cases::claim_folder;
 use heliotile::output::write_texts;
 use heliotile::text::counted;
 use heliotile::{Error, Result};
 
-/// `heliotile completions`.
-pub fn completions(args: &CompletionsArgs) -> Result<Outcome> {
+/// `heliotile --completions`.
+pub fn completions(shell: Shell) -> Result<Outcome> {
     let mut script = Vec::new();
-    clap_complete::generate(args.shell, &mut command_line(), "heliotile", &mut script);
+    clap_complete::generate(shell, &mut command_line(), "heliotile", &mut script);
     say(&String::from_utf8_lossy(&script))?;
     Ok(Outcome::Fine)
 }
 
-/// `heliotile man`.
-pub fn man(args: &ManArgs) -> Result<Outcome> {
+/// `heliotile --man`.
+pub fn man(folder: &Path) -> Result<Outcome> {
+    let _output = claim_folder(folder)?;
     let mut program = command_line();
     // After `build` every page knows the options of all commands, and its full name.
     program.build();
     let mut pages = Vec::new();
     add_pages(&program, "", &mut pages)?;
-    std::fs::create_dir_all(&args.output).map_err(Error::io(&args.output, "create"))?;
+    std::fs::create_dir_all(folder).map_err(Error::io(folder, "create"))?;
     let texts: Vec<(&str, String)> = pages.iter().map(|(name, text)| (name.as_str(), text.clone())).collect();
-    write_texts(&args.output, &texts)?;
+    write_texts(folder, &texts)?;
     let count = counted(pages.len() as u64, "page");
-    remark(format!(
-        "{}: {count}, such as `man {}`\n",
-        args.output.display(),
-        args.output.join("heliotile.1").display()
-    ))?;
+    let example = folder.join("heliotile.1");
+    remark(format!("{}: {count}, such as `man {}`\n", folder.display(), example.display()))?;
     Ok(Outcome::Fine)
 }
 

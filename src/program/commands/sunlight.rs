@@ -1,12 +1,13 @@
-//! `heliotile sunlight`, `heliotile glare` and `heliotile rules`: hours of possible sun, the sun in
-//! mirrors, and rules about them.
+//! `heliotile sunlight` and `heliotile glare`: hours of possible sun, the sun in mirrors, and rules
+//! about them.
 
 use std::fmt::Write;
 
 use super::replay::with_resources;
 use super::{Outcome, say};
 use crate::commands::console::voice::remark_aside;
-use heliotile::cases::{Glare, Rules, Sunlight};
+use heliotile::cases::{Glare, Sunlight};
+use heliotile::requests::Problem;
 use heliotile::{Error, Provenance, Result, SunlightDone, shipped_rules};
 
 /// `heliotile sunlight`.
@@ -31,10 +32,10 @@ fn tell(done: &SunlightDone) -> Outcome {
     Outcome::Fine
 }
 
-/// `heliotile rules`.
-pub fn rules(args: &Rules, _: Provenance) -> Result<Outcome> {
+/// Prints the file of a rule, or the names of all rules.
+pub fn rules(name: &str) -> Result<Outcome> {
     let shipped = shipped_rules()?;
-    let Some(name) = &args.name else {
+    if name == "all" {
         let mut text = String::new();
         for file in &shipped {
             // Writing to a string cannot fail.
@@ -45,11 +46,12 @@ pub fn rules(args: &Rules, _: Provenance) -> Result<Outcome> {
         }
         say(&text)?;
         return Ok(Outcome::Fine);
-    };
-    let Some(file) = shipped.iter().find(|file| file.name == *name) else {
+    }
+    let Some(file) = shipped.iter().find(|file| file.name == name) else {
         let names: Vec<&str> = shipped.iter().map(|file| file.name).collect();
-        let hint = format!("known rules: {}", names.join(", "));
-        return Err(Error::argument("name", format!("`{name}` is not a known rule"), hint));
+        let hint = format!("give all, or one of {}", names.join(", "));
+        let unknown = Problem::unknown(name, names);
+        return Err(Error::argument("rule", format!("`{name}` is not a known rule"), hint).because(unknown));
     };
     say(file.text)?;
     Ok(Outcome::Fine)

@@ -10,21 +10,28 @@ use heliotile::requests::{GroupKind, Many, Row};
 
 use super::{MADE, help};
 
+/// Folder of the pages.
+pub const FOLDER: &str = "src/book/reference";
+
 /// Returns all pages by their paths.
 pub fn pages() -> BTreeMap<PathBuf, String> {
-    let folder = PathBuf::from("src/book/reference");
+    let folder = PathBuf::from(FOLDER);
     let mut pages: BTreeMap<PathBuf, String> =
-        COMMANDS.iter().map(|command| (folder.join(format!("{}.md", command.name)), page(command))).collect();
+        COMMANDS.iter().map(|command| (folder.join(format!("{}.md", file_of(command))), page(command))).collect();
     pages.insert(folder.join("mod.rs"), module());
     pages.insert(folder.join("commands.md"), list());
     pages
 }
 
+fn file_of(command: &Command) -> String {
+    command.name.replace(' ', "-")
+}
+
 fn module() -> String {
     let mut text = format!("// {MADE}\n#![doc = include_str!(\"commands.md\")]\n");
     for command in COMMANDS {
-        let name = command.name;
-        let _ = write!(text, "\n#[doc = include_str!(\"{name}.md\")]\npub mod {name} {{}}\n");
+        let (file, module) = (file_of(command), command.name.replace(' ', "_"));
+        let _ = write!(text, "\n#[doc = include_str!(\"{file}.md\")]\npub mod {module} {{}}\n");
     }
     text
 }
@@ -33,8 +40,9 @@ fn list() -> String {
     let mut text = format!("<!-- {MADE} -->\n# Commands and their options\n");
     for (aim, heading) in Aim::ALL {
         let _ = write!(text, "\n## {heading}\n\n| command | |\n| --- | --- |\n");
-        for Command { name, about, .. } in COMMANDS.iter().filter(|command| command.aim == aim) {
-            let _ = writeln!(text, "| [`{name}`]({name}.md) | {} |", about.replace('|', "\\|"));
+        for command in COMMANDS.iter().filter(|command| command.aim == aim) {
+            let (name, about) = (command.name, command.about.replace('|', "\\|"));
+            let _ = writeln!(text, "| [`{name}`]({}.md) | {about} |", file_of(command));
         }
     }
     text

@@ -76,7 +76,7 @@ class Archive(Askable):
 
     def audit(self, scene: Any, **options: Unpack[AuditOptions]) -> AuditReport:
         """Compares the archive's errors with its stated accuracy, by the independent reference path
-        tracer: `heliotile audit`, value by value.
+        tracer: `heliotile archive audit`, value by value.
 
         `scene`: the `Scene` of the archive, or its files. `weather`, a file or a `Weather` of one,
         or a table of `conditions`; default: suns from all sides. The other options are those of
@@ -111,7 +111,7 @@ class Archive(Askable):
         return archive
 
     def verify(self, *, deep: bool = False) -> CheckedArchive:
-        """Checks every block: `heliotile verify`, finding by finding. `heliotile.verify` also takes
+        """Checks every block: `heliotile archive verify`, finding by finding. `heliotile.verify` also takes
         a path that does not open."""
         from . import checks
 

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any, Unpack
 import numpy as np
 
 from . import _heliotile
-from .errors import wrong
 from .given import MEMORY, WantedArgs, asked, wanted_args, wanted_of
 from .options import (
     BuildingsOptions,
@@ -143,17 +142,19 @@ class Askable(ABC):
         made = opened.replay(keywords.args(), wanted, options.get("progress"))
         return Results(made, lambda: self._table(opened, wanted, MEMORY))
 
-    def query(self, conditions: Any, **options: Unpack[QueryOptions]) -> Results:
-        """Computes irradiance under suns and skies, W/m2: `heliotile query`, value by value.
+    def query(self, conditions: Any = None, **options: Unpack[QueryOptions]) -> Results:
+        """Computes irradiance under suns and skies, W/m2: `heliotile replay --conditions`, value by
+        value.
 
         `conditions` is the path of a CSV file, a DataFrame or a mapping of arrays with the columns
         `sun_azimuth_deg` (clockwise from true north), `sun_altitude_deg` (without refraction:
-        pvlib's `elevation`), `dni_w_m2`, `dhi_w_m2`, and optionally `condition`, a name for each.
+        pvlib's `elevation`), `dni_w_m2`, `dhi_w_m2`, and optionally `condition`, a name for each. One
+        sun and sky are given by `sun=(azimuth, altitude)`, `dni` and `dhi` in their place.
         The options are those of `heliotile.options.QueryOptions`.
         """
         keywords, wanted = asked("Archive.query", QueryOptions, options, conditions=conditions), wanted_of(options)
         opened = self._open(wanted)
-        made = opened.query(keywords.args(), wanted, options.get("progress"))
+        made = opened.replay(keywords.args(), wanted, options.get("progress"))
         return Results(made, lambda: self._table(opened, wanted, MEMORY))
 
     def write(
@@ -171,11 +172,9 @@ class Askable(ABC):
         the options of files are those of `heliotile.options.WriteOptions`. Returns a sentence about
         what was written, if there is one.
         """
-        if (weather is None) == (conditions is None):
-            raise wrong("weather, conditions", "neither or both are given", "give one of the two")
         keywords = asked("Archive.write", WriteOptions, options, output=output, weather=weather, conditions=conditions)
         wanted = wanted_of(options)
-        return self._open(wanted).write(keywords.args(), conditions is None, wanted, options.get("progress"))
+        return self._open(wanted).write(keywords.args(), wanted, options.get("progress"))
 
     def buildings(self, output: str | os.PathLike[str], weather: Any, **options: Unpack[BuildingsOptions]) -> tuple[int, int]:
         """Writes a solar cadastre from sums over a year, as `heliotile buildings`. Returns the
@@ -220,7 +219,7 @@ class Askable(ABC):
 
     def factors(self, **options: Unpack[FactorsOptions]) -> Factors:
         """Computes what surroundings reflect, as EnergyPlus' five factors over the sun's position:
-        `heliotile factors`. With an `output` the table is written, too. The options are those of
+        `heliotile energyplus factors`. With an `output` the table is written, too. The options are those of
         `heliotile.options.FactorsOptions`."""
         keywords, wanted = asked("Archive.factors", FactorsOptions, options), wanted_of(options)
         found = self._open(wanted).factors(keywords.args(), wanted, options.get("progress"))

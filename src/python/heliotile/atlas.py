@@ -1,4 +1,4 @@
-"""Regions in parts: an atlas is a folder that `heliotile partition` makes and whose parts are built one by one."""
+"""Regions in parts: an atlas is a folder that `heliotile atlas partition` makes and whose parts are built one by one."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ class Atlas(Askable):
                 yield part, archive
 
     def verify(self, *, deep: bool = False) -> list[CheckedArchive]:
-        """Checks every block of the built archives: `heliotile verify`, finding by finding."""
+        """Checks every block of the built archives: `heliotile archive verify`, finding by finding."""
         from . import checks
 
         return checks.verify(self.path, deep=deep)

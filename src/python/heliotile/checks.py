@@ -190,7 +190,7 @@ def audit(keywords: Asked, progress: Progress | None) -> AuditReport:
 
 
 def verify(place: str | os.PathLike[str], **options: Unpack[VerifyOptions]) -> list[CheckedArchive]:
-    """Checks every block of an archive, or of all archives of an atlas: `heliotile verify`, finding
+    """Checks every block of an archive, or of all archives of an atlas: `heliotile archive verify`, finding
     by finding.
 
     `place` is a path or an address; a damaged archive need not open. `deep` also decodes every
@@ -208,7 +208,7 @@ def repair(
     output: str | os.PathLike[str] | None = None,
     **options: Unpack[RepairOptions],
 ) -> RepairDone:
-    """Repairs a damaged archive: `heliotile repair`, byte by byte. Good blocks are kept; the others
+    """Repairs a damaged archive: `heliotile archive repair`, byte by byte. Good blocks are kept; the others
     are traced again.
 
     `scene`: the `Scene` of the archive, or its files. `receivers`: their table, needed if the

@@ -15,7 +15,6 @@ import numpy as np
 
 from .archive import Archive
 from .askable import Askable
-from .errors import wrong
 from .given import asked, wanted_of
 from .options import CompareOptions
 
@@ -87,8 +86,6 @@ def compare(
     default of `columns` is `["total"]`. `output`: a table or a map that is written instead of
     values in memory. The other options are those of `heliotile.options.CompareOptions`.
     """
-    if (weather is None) == (options.get("conditions") is None):
-        raise wrong("weather, conditions", "neither or both are given", "give one of the two")
     said: dict[str, Any] = {"columns": ["total"], **options}
     variants = [after] if isinstance(after, (str, os.PathLike, Archive)) else list(after)
     in_memory = options.get("output") is None and not options.get("plots") and len(variants) == 1

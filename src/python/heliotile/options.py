@@ -235,6 +235,15 @@ class WriteOptions(TypedDict, total=False):
     objects: str | Sequence[str] | None
     """Only the receivers of these objects or buildings."""
 
+    sun: str | Sequence[float] | None
+    """Azimuth (clockwise from true north) and altitude of one sun in place of weather, degrees."""
+
+    dni: float | None
+    """Direct normal irradiance of that sun, W/m2. Default: `0`."""
+
+    dhi: float | None
+    """Diffuse horizontal irradiance of the sky around it, W/m2. Default: `0`."""
+
     columns: str | Sequence[str | os.PathLike[str]] | None
     """Columns to write, in this order, such as total,sun_direct. sun_reflected and sky_reflected can be split by the kind of surface that the receiver sees, as in sun_reflected_ground and sun_reflected_obstruction; `replay` also has longwave [default: the six components and their total]"""
 
@@ -341,6 +350,15 @@ class QueryOptions(TypedDict, total=False):
     objects: str | Sequence[str] | None
     """Only the receivers of these objects or buildings."""
 
+    sun: str | Sequence[float] | None
+    """Azimuth (clockwise from true north) and altitude of one sun in place of weather, degrees."""
+
+    dni: float | None
+    """Direct normal irradiance of that sun, W/m2. Default: `0`."""
+
+    dhi: float | None
+    """Diffuse horizontal irradiance of the sky around it, W/m2. Default: `0`."""
+
     columns: str | Sequence[str | os.PathLike[str]] | None
     """Columns to write, in this order, such as total,sun_direct. sun_reflected and sky_reflected can be split by the kind of surface that the receiver sees, as in sun_reflected_ground and sun_reflected_obstruction; `replay` also has longwave [default: the six components and their total]"""
 
@@ -418,7 +436,16 @@ class CompareOptions(TypedDict, total=False):
     """Only the receivers of these objects or buildings."""
 
     conditions: Any | None
-    """Table of suns and skies in place of weather, as for `query`."""
+    """Table of suns and skies in place of weather, CSV: condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2; azimuths are clockwise from true north."""
+
+    sun: str | Sequence[float] | None
+    """Azimuth (clockwise from true north) and altitude of one sun in place of weather, degrees."""
+
+    dni: float | None
+    """Direct normal irradiance of that sun, W/m2. Default: `0`."""
+
+    dhi: float | None
+    """Diffuse horizontal irradiance of the sky around it, W/m2. Default: `0`."""
 
     columns: str | Sequence[str | os.PathLike[str]] | None
     """Columns to write, in this order, such as total,sun_direct. sun_reflected and sky_reflected can be split by the kind of surface that the receiver sees, as in sun_reflected_ground and sun_reflected_obstruction; `replay` also has longwave [default: the six components and their total]"""
@@ -721,7 +748,7 @@ class SunlightOptions(TypedDict, total=False):
     """Period of a row, without `rules`: a day, or all days of a month, a year or all of them. Default: `day`."""
 
     rules: str | Sequence[str] | None
-    """Rule to check: a name that `heliotile rules` lists, or a file with rules of your own (.toml); may be repeated."""
+    """Rule to check: a name that `heliotile info `rules` all` lists, or a file with rules of your own (.toml); may be repeated."""
 
     before: Place | None
     """Archive or atlas before a change: adds its results, the minutes that changed, and the rules that are newly broken."""
@@ -794,7 +821,7 @@ class GlareOptions(TypedDict, total=False):
     """Year of the dates that state none; results of other years differ by a few minutes. Default: `2017`."""
 
     rules: str | Sequence[str] | None
-    """Rule to check: a name that `heliotile rules` lists, or a file with rules of your own (.toml); may be repeated."""
+    """Rule to check: a name that `heliotile info `rules` all` lists, or a file with rules of your own (.toml); may be repeated."""
 
     before: Place | None
     """Archive or atlas before a change: adds its results, the minutes that changed, and the rules that are newly broken."""
@@ -1256,10 +1283,7 @@ class BuildOptions(TypedDict, total=False):
     """Leave out light paths that add no more than this share of the sum over `weather`, in any group of receivers, such as 0.5%."""
 
     weather: Any | None
-    """Weather file of `negligible`: light paths are left out by what they add under it."""
-
-    store: Place | None
-    """Cache folder with traces of earlier builds of any project: what it holds is not traced again, and the traces of this build are added."""
+    """Weather file of `negligible`: light paths are left out by what they add under it; with `dry_run`, what each of them adds is printed."""
 
     before: Place | None
     """Archive of this scene before a change, or with `part` an atlas of it; a path or an address. Only light that the change can alter is traced; the new archive has the same bytes as without this option."""
@@ -1304,14 +1328,17 @@ class BuildOptions(TypedDict, total=False):
 class PlanOptions(TypedDict, total=False):
     """Options of `plan`."""
 
+    share: Literal["cells", "none"] | None
+    """Sharing of probes (traced samples of what the surroundings see) between receivers. Default: `cells`."""
+
     effects: str | None
     """Light paths to trace besides direct sun and sky: `auto` (those that can matter in the scene), `all`, `none`, or some of diffuse, bounces, mirrors, canopies, leaves. Default: `auto`."""
 
-    weather: Any | None
-    """Weather file under which to print also the light that each light path adds, by group of receivers."""
-
     negligible: str | float | None
     """Leave out light paths that add no more than this share of the sum over `weather`, in any group of receivers, such as 0.5%."""
+
+    weather: Any | None
+    """Weather file of `negligible`: light paths are left out by what they add under it; with `dry_run`, what each of them adds is printed."""
 
     quality: Literal["draft", "standard", "fine", "reference"] | None
     """Accuracy level: a named set of settings, from fast to accurate. Default: `standard`."""
@@ -1326,7 +1353,7 @@ class PlanOptions(TypedDict, total=False):
     """Weather file under which the errors of `error` are estimated [default: suns from all sides]"""
 
     memory: int | str | None
-    """Memory to work in, such as 512MiB or 2GiB. Default: `4GiB`."""
+    """Memory to work in, such as 512MiB or 2GiB; what does not fit goes to temporary files beside the archive. Default: `4GiB`."""
 
     time_zone: str | float | None
     """Time zone of the weather file's clock, in place of that of the file: hours ahead of UTC, such as +01:00, -7 or UTC, or a name, such as Europe/Amsterdam, with its summer time. If its time stamps state an offset, the zone of days and labels in results."""
@@ -1405,7 +1432,7 @@ class RunOptions(TypedDict, total=False):
     """Also write a table by hour, day, month, year or total, as `replay` does: months.csv and so on; several with commas."""
 
     rules: str | Sequence[str] | None
-    """Also check a rule of sunlight and write rules.csv: a name that `heliotile rules` lists, or a file with rules of your own (.toml); may be repeated."""
+    """Also check a rule of sunlight and write rules.csv: a name that `heliotile info `rules` all` lists, or a file with rules of your own (.toml); may be repeated."""
 
     by: Literal["receiver", "surface", "window", "object", "building", "kind"] | None
     """Grouping of rows in the tables of `every` and `rules`: what each row stands for. Default: `receiver`."""
@@ -1419,8 +1446,8 @@ class RunOptions(TypedDict, total=False):
     format: Literal["csv", "parquet", "arrow", "feather", "npy", "npz"] | None
     """Ending of the tables of `every` and `rules`, which chooses their format. Default: `csv`."""
 
-    maps: Literal["glb", "fgb", "geojson", "geoparquet", "vtu", "cityjson"] | Sequence[Literal["glb", "fgb", "geojson", "geoparquet", "vtu", "cityjson"]] | None
-    """Also write the annual sums as a map in this format, such as annual.glb beside annual.ply, or into the city model of the scene; may be repeated, or several with commas."""
+    maps: Literal["glb", "fgb", "geojson", "geoparquet", "ply", "vtu", "cityjson"] | Sequence[Literal["glb", "fgb", "geojson", "geoparquet", "ply", "vtu", "cityjson"]] | None
+    """Also write the annual sums as a map in this format, such as annual.glb beside annual.csv, or into the city model of the scene; may be repeated, or several with commas."""
 
     replace: bool
     """Replace results in the folder that are of another scene, spacing, accuracy or weather; without this option they are an error."""

@@ -155,14 +155,14 @@ def tradeoff(scene: Files, receivers: str | os.PathLike[str], output: str | os.P
 
 
 def merge(first: str | os.PathLike[str], second: str | os.PathLike[str], output: str | os.PathLike[str], **options: Unpack[MergeOptions]) -> Archive:
-    """Writes the union of two archives of one scene and opens it: `heliotile merge`, byte by byte."""
+    """Writes the union of two archives of one scene and opens it: `heliotile archive merge`, byte by byte."""
     keywords = asked("merge", MergeOptions, options, first=first, second=second, output=output)
     _heliotile.merge(keywords.args(), options.get("progress"))
     return Archive.open(output)
 
 
 def diff(first: str | os.PathLike[str], second: str | os.PathLike[str], **options: Unpack[DiffOptions]) -> tuple[bool, str]:
-    """Compares two archives, as `heliotile diff`. Returns True if they are equal, and their
+    """Compares two archives, as `heliotile archive diff`. Returns True if they are equal, and their
     differences as text."""
     return _heliotile.diff(asked("diff", DiffOptions, options, first=first, second=second).args())
 

@@ -17,7 +17,7 @@ use crate::table::columns_of;
 use crate::work;
 use heliotile::archive::{Archive, format};
 use heliotile::atlas::check_square;
-use heliotile::cases::{Buildings, Compare, Extract, Factors, Glare, PeopleOfSite, Places, Query, Replay, Sunlight};
+use heliotile::cases::{Buildings, Compare, Extract, Factors, Glare, PeopleOfSite, Places, Replay, Sunlight};
 use heliotile::names::by_name;
 use heliotile::tables::{Cell, Records};
 use heliotile::{
@@ -208,7 +208,7 @@ impl ArchiveHandle {
         Ok(table)
     }
 
-    /// Computes irradiance under weather, all in memory.
+    /// Computes irradiance under weather or conditions, all in memory.
     #[pyo3(signature = (asked, receivers, progress))]
     fn replay(
         &self,
@@ -218,43 +218,23 @@ impl ArchiveHandle {
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Recombined> {
         asked.run::<Replay, _>(py, ARCHIVE, progress.as_ref(), |args, about, resources| {
-            self.recombined(&under_weather(args), receivers, about, resources)
-        })
-    }
-
-    /// Computes irradiance under conditions, all in memory.
-    #[pyo3(signature = (asked, receivers, progress))]
-    fn query(
-        &self,
-        py: Python<'_>,
-        asked: Asked,
-        receivers: Option<Wanted>,
-        progress: Option<Bound<'_, PyAny>>,
-    ) -> PyResult<Recombined> {
-        asked.run::<Query, _>(py, ARCHIVE, progress.as_ref(), |args, about, resources| {
-            self.recombined(&under_conditions(args), receivers, about, resources)
+            self.recombined(&args.under()?, receivers, about, resources)
         })
     }
 
     /// Writes irradiance to files: tables, maps, charts, a city model. Returns a sentence about
     /// what was written, if there is one.
-    #[pyo3(signature = (asked, is_replay, receivers, progress))]
+    #[pyo3(signature = (asked, receivers, progress))]
     fn write(
         &self,
         py: Python<'_>,
         asked: Asked,
-        is_replay: bool,
         receivers: Option<Wanted>,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Option<String>> {
-        match is_replay {
-            true => asked.run::<Replay, _>(py, ARCHIVE, progress.as_ref(), |args, about, resources| {
-                self.chosen(receivers)?.stating(about).write(&under_weather(args), &args.files, resources)
-            }),
-            false => asked.run::<Query, _>(py, ARCHIVE, progress.as_ref(), |args, about, resources| {
-                self.chosen(receivers)?.stating(about).write(&under_conditions(args), &args.files, resources)
-            }),
-        }
+        asked.run::<Replay, _>(py, ARCHIVE, progress.as_ref(), |args, about, resources| {
+            self.chosen(receivers)?.stating(about).write(&args.under()?, &args.files, resources)
+        })
     }
 
     /// Writes how a change of the site changes its light. Returns the summary as JSON, one row for
@@ -353,7 +333,7 @@ impl ArchiveHandle {
         asked.run::<Replay, _>(py, ARCHIVE, None, |args, about, resources| {
             self.site.only()?;
             let site = self.site.stating(about);
-            let replay = site.under(&under_weather(args), Path::new("-"), resources)?;
+            let replay = site.under(&args.under()?, Path::new("-"), resources)?;
             LazyReplay::new(&self.site, &replay, Frame::new(&replay, self.site.count() as usize), cache)
         })
     }
@@ -398,14 +378,6 @@ impl ArchiveHandle {
 
 /// Field that an open archive fills.
 const ARCHIVE: &[&str] = &["archive"];
-
-fn under_weather(args: &Replay) -> Illumination {
-    Illumination::Weather(Box::new(args.request.clone()))
-}
-
-fn under_conditions(args: &Query) -> Illumination {
-    Illumination::Conditions(Box::new(args.request.clone()))
-}
 
 impl ArchiveHandle {
     /// Returns the archive; of an atlas, the first one.

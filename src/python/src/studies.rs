@@ -11,7 +11,7 @@ use crate::errors::worded_text;
 use heliotile::archive::Problem;
 use heliotile::atlas::{PartitionRequest, VerifyRequest};
 use heliotile::cases::{
-    Audit, Catalogue, Comfort, Diff, Energyplus, Export, Merge, Plan, Pv, Receivers, Repair, Run, Tradeoff, Update,
+    Audit, Build, Catalogue, Comfort, Diff, Energyplus, Export, Merge, Pv, Receivers, Repair, Run, Tradeoff, Update,
     View,
 };
 use heliotile::{Access, Error, PageRequest, Result, Scene, SceneRequest};
@@ -118,9 +118,9 @@ pub fn receivers(py: Python<'_>, asked: Asked, progress: Option<Bound<'_, PyAny>
 /// Forecasts a build. Returns the number of receivers, and the forecast as text.
 #[pyfunction]
 pub fn plan(py: Python<'_>, asked: Asked, progress: Option<Bound<'_, PyAny>>) -> PyResult<(usize, String)> {
-    asked.run::<Plan, _>(py, &[], progress.as_ref(), |args, _, resources| {
+    asked.run::<Build, _>(py, &[], progress.as_ref(), |args, _, resources| {
         let scene = loaded(&args.scene, resources.observer)?;
-        let planned = args.forecast(&scene, asked.table(&args.receivers), resources.observer)?;
+        let planned = args.forecast(&scene, asked.table(args.receivers()?), resources.observer)?;
         Ok((planned.receivers, planned.text))
     })
 }

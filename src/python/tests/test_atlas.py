@@ -41,7 +41,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> pd.Series:
 
 def cut(folder: Path, size: str = "30m") -> heliotile.Atlas:
     """The block in parts with a halo as wide as it."""
-    program("partition", CITY, "--spacing", "4m", "--quality", "draft", "--sample", "0", "--part-size", size, "-o", folder / "atlas")
+    program("atlas", "partition", CITY, "--spacing", "4m", "--quality", "draft", "--sample", "0", "--part-size", size, "-o", folder / "atlas")
     return heliotile.Atlas.open(folder / "atlas")
 
 
@@ -139,7 +139,7 @@ def test_parts_may_share_ids_of_receivers(tmp_path: Path) -> None:
     for name, x in (("west", 2), ("east", 102)):
         (tmp_path / f"{name}.obj").write_text(house.format(x=x, y=x + 10))
     cut_args = ["--part-size", "50m", "--halo", "10m", "--skyline", "80", "--spacing", "4m", "--quality", "draft", "--sample", "0", "--latitude", "52", "--longitude", "4"]
-    program("partition", tmp_path / "west.obj", tmp_path / "east.obj", *cut_args, "-o", tmp_path / "atlas")
+    program("atlas", "partition", tmp_path / "west.obj", tmp_path / "east.obj", *cut_args, "-o", tmp_path / "atlas")
     atlas = heliotile.Atlas.open(tmp_path / "atlas")
     for part in atlas.parts():
         atlas.build(part.name)

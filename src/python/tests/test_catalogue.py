@@ -25,10 +25,10 @@ CITY = DATA / "cityjson" / "hague.city.json"
 def atlas(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The block in four parts, two of them built, with a catalogue."""
     folder = tmp_path_factory.mktemp("catalogue") / "atlas"
-    program("partition", CITY, "--crs", "EPSG:28992", "--spacing", "4m", "--quality", "draft", "--sample", "0", "--part-size", "45m", "-o", folder)
+    program("atlas", "partition", CITY, "--crs", "EPSG:28992", "--spacing", "4m", "--quality", "draft", "--sample", "0", "--part-size", "45m", "-o", folder)
     for part in ("0", "3"):
         program("build", folder, "--part", part)
-    program("catalogue", folder, "--title", "A block")
+    program("atlas", "catalogue", folder, "--title", "A block")
     return folder
 
 

@@ -72,7 +72,7 @@ def test_verify_and_repair_are_the_programs(site: heliotile.Archive, damaged: Pa
     [found] = heliotile.verify(damaged)
     assert not found.is_good and len(found.problems) == 1 and found.text == printed("verify", damaged)
     done = heliotile.repair(damaged, scene, tmp_path / "python.helio")
-    program("repair", damaged, *SCENE, "-o", tmp_path / "program.helio")
+    program("archive", "repair", damaged, *SCENE, "-o", tmp_path / "program.helio")
     whole = Path(site.path).read_bytes()
     assert (tmp_path / "python.helio").read_bytes() == (tmp_path / "program.helio").read_bytes() == whole
     assert done.problems == found.problems and "1 problem repaired" in done.text and done.open().root == site.root

@@ -113,7 +113,7 @@ def test_two_halves_make_the_archive_again(site: heliotile.Archive, tmp_path: Pa
     assert whole.count == 78 and heliotile.diff(site.path, tmp_path / "whole.helio")[0]
     same, text = heliotile.diff(site.path, tmp_path / "a.helio")
     assert not same and "39 receivers" in text
-    program("merge", tmp_path / "a.helio", tmp_path / "b.helio", "-o", tmp_path / "program.helio")
+    program("archive", "merge", tmp_path / "a.helio", tmp_path / "b.helio", "-o", tmp_path / "program.helio")
     assert (tmp_path / "program.helio").read_bytes() == (tmp_path / "whole.helio").read_bytes()
 
 
@@ -137,7 +137,7 @@ def test_a_comparison_is_the_programs(site: heliotile.Archive, tmp_path: Path) -
 def test_regions_are_the_programs(tmp_path: Path) -> None:
     """A region of 3 parts has the plan of the program; one part is built and listed in a catalogue."""
     words = ["--part-size", "60m", "--spacing", "8m", "--quality", "draft", "--sample", 0, "--crs", 28992]
-    program("partition", CITY, *words, "-o", tmp_path / "program")
+    program("atlas", "partition", CITY, *words, "-o", tmp_path / "program")
     scene = heliotile.Scene(CITY, crs=28992)
     atlas = heliotile.partition(scene, tmp_path / "python", part_size=60.0, spacing=8.0, quality="draft", sample=0)
     plans = [json.loads((tmp_path / name / "atlas.json").read_text()) for name in ("program", "python")]
@@ -157,7 +157,7 @@ def test_files_are_the_programs(block: heliotile.Archive, conditions: Path, tmp_
     assert rows(tmp_path / "months.csv") == rows(tmp_path / "program-months.csv")
     block.write(tmp_path / "noon.csv", conditions=conditions, plots=[tmp_path / "noon.svg"])
     assert "<svg" in (tmp_path / "noon.svg").read_text()
-    program("query", block.path, "--conditions", conditions, "-o", tmp_path / "program-noon.csv")
+    program("replay", block.path, "--conditions", conditions, "-o", tmp_path / "program-noon.csv")
     assert rows(tmp_path / "noon.csv") == rows(tmp_path / "program-noon.csv")
     program("buildings", block.path, "--weather", YEAR, "-o", tmp_path / "program-b.csv", "--faces", tmp_path / "program-f.csv")
     buildings, faces = block.buildings(tmp_path / "b.csv", YEAR, faces=tmp_path / "f.csv")

@@ -117,7 +117,7 @@ def test_arrow_is_the_programs(site: heliotile.Archive, tmp_path: Path) -> None:
 
 def test_factors_are_the_programs(site: heliotile.Archive, tmp_path: Path) -> None:
     """5 factors of 2 surfaces and 703 suns, as f32 of the program's Parquet file."""
-    program("factors", site.path, "--by", "surface", "-o", tmp_path / "factors.parquet")
+    program("energyplus", "factors", site.path, "--by", "surface", "-o", tmp_path / "factors.parquet")
     table = pd.read_parquet(tmp_path / "factors.parquet")
     factors = site.factors(by="surface")
     assert factors.names == sorted(table["surface"].unique()) == ["roof", "wall"]

@@ -145,7 +145,7 @@ def test_forks_are_refused(site: heliotile.Archive) -> None:
 def test_forks_after_a_listing_are_refused(tmp_path: Path) -> None:
     """Parts of an atlas that were listed are work, too: a process that is forked off after nothing else is refused, not left waiting. A repr tells no
     password."""
-    program("partition", DATA / "cityjson" / "hague.city.json", "--spacing", "8m", "--quality", "draft", "--sample", "0", "-o", tmp_path / "atlas")
+    program("atlas", "partition", DATA / "cityjson" / "hague.city.json", "--spacing", "8m", "--quality", "draft", "--sample", "0", "-o", tmp_path / "atlas")
     text = (
         "import multiprocessing, sys, heliotile\n"
         "def ask(path):\n    try: return str(heliotile.Atlas.open(path).parts())\n    except RuntimeError as error: return str(error)\n"

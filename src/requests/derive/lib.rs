@@ -36,8 +36,8 @@ const UNITS: [&str; 7] = ["_w_m2_sr", "_w_m2", "_percent", "_deg", "_m2", "_m", 
 /// | `range = a..=b`, `says = ".."` | range of a number; what a wrong text is answered |
 ///
 /// At the struct, `request(exactly_one(..))`, `request(at_most_one(..))` and `request(any_of(..))`
-/// name groups of fields, `request(also = f)` a function that hands on files that no field states, and `request(skips = f)` one that names fields whose files
-/// are others than their kind says.
+/// name groups of fields, `request(also = f)` a function that hands on files that no field states,
+/// and `request(skips = f)` one that names fields whose files are others than their kind says.
 #[proc_macro_derive(Request, attributes(field, request))]
 pub fn derive(input: TokenStream) -> TokenStream {
     let input = parse_macro_input!(input as DeriveInput);

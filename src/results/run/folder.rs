@@ -27,7 +27,6 @@ pub struct RunFiles {
     /// Folder of the weather's results, which holds the files below.
     pub results: PathBuf,
     pub table: PathBuf,
-    pub map: PathBuf,
     /// Map as a picture, from above and from the side.
     pub picture: PathBuf,
     /// Chart with bars of the months.
@@ -47,7 +46,6 @@ impl RunFiles {
             receivers: request.receivers.clone().unwrap_or_else(|| folder.join("receivers.csv")),
             archive: folder.join("site.helio"),
             table: results.join("annual.csv"),
-            map: results.join("annual.ply"),
             picture: results.join("annual.png"),
             chart: results.join("months.svg"),
             city_model: results.join(if maps::is_sequence(site) { "annual.city.jsonl" } else { "annual.city.json" }),
@@ -79,10 +77,10 @@ impl RunFiles {
         self.results.join(format!("{stem}{by}.{}", request.format))
     }
 
-    /// Returns the path of a further map.
-    pub fn further_map(&self, map: RunMap) -> PathBuf {
+    /// Returns the path of a map.
+    pub fn map(&self, map: RunMap) -> PathBuf {
         match map {
-            RunMap::Map(format) => self.map.with_extension(format.ending()),
+            RunMap::Map(format) => self.table.with_extension(format.ending()),
             RunMap::CityModel => self.city_model.clone(),
         }
     }
@@ -90,9 +88,9 @@ impl RunFiles {
     /// Returns all files that are written into the weather's folder.
     fn written(&self, request: &RunRequest) -> Vec<PathBuf> {
         let periods = request.every.iter().map(|every| self.periods(*every, request));
-        let maps = request.maps.iter().map(|format| self.further_map(*format));
+        let maps = request.maps.iter().map(|format| self.map(*format));
         let rules = (!request.rules.is_empty()).then(|| self.rules(request));
-        let always = [&self.table, &self.map, &self.picture, &self.chart, &self.page];
+        let always = [&self.table, &self.picture, &self.chart, &self.page];
         always.into_iter().cloned().chain(maps).chain(periods).chain(rules).collect()
     }
 

@@ -14,7 +14,7 @@ use heliotile_core::site::place::Place;
 use heliotile_scene::input;
 use heliotile_scene::site::SceneFiles;
 
-/// Map in addition to `annual.ply`.
+/// Map of the annual sums.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum RunMap {
@@ -30,6 +30,7 @@ impl NamedValues for RunMap {
         ("fgb", "FlatGeobuf, for QGIS", RunMap::Map(MapFormat::FlatGeobuf)),
         ("geojson", "Longitude and latitude, for small maps in browsers", RunMap::Map(MapFormat::GeoJson)),
         ("geoparquet", "For geopandas and DuckDB: annual.parquet", RunMap::Map(MapFormat::GeoParquet)),
+        ("ply", "Coloured triangles, for MeshLab and CloudCompare", RunMap::Map(MapFormat::Ply)),
         ("vtu", "For ParaView and PyVista", RunMap::Map(MapFormat::Vtu)),
         ("cityjson", "The CityJSON of the scene with attributes: annual.city.json", RunMap::CityModel),
     ];

@@ -57,7 +57,7 @@ pub struct RunRequest {
     #[field(flatten, without("latitude", "longitude"), heading = "About the weather file")]
     pub about_weather: WeatherOptions,
     /// Folder to write: receivers.csv, site.helio, and a folder for each weather file with
-    /// annual.csv and annual.ply [default: the name of the first scene file, with .sun].
+    /// annual.csv and annual.png [default: the name of the first scene file, with .sun].
     #[field(name = "output", short = 'o', metavar = "FOLDER", output = Folder(&["receivers.csv"]))]
     pub folder: Option<PathBuf>,
     /// Surfaces that get receivers, if `receivers` is `None`.
@@ -85,7 +85,7 @@ pub struct RunRequest {
     /// on; several with commas.
     #[field(metavar = "PERIOD", delimiter = ',')]
     pub every: Vec<Every>,
-    /// Also check a rule of sunlight and write rules.csv: a name that `heliotile rules` lists, or a
+    /// Also check a rule of sunlight and write rules.csv: a name that `heliotile info --rule all` lists, or a
     /// file with rules of your own (.toml); may be repeated.
     #[field(name = "rule", python = "rules", metavar = "NAME|FILE")]
     pub rules: Vec<String>,
@@ -102,7 +102,7 @@ pub struct RunRequest {
     /// Ending of the tables of --every and --rule, which chooses their format.
     #[field(default = "csv", requires("every", "rule"), choices = table_endings)]
     pub format: String,
-    /// Also write the annual sums as a map in this format, such as annual.glb beside annual.ply, or
+    /// Also write the annual sums as a map in this format, such as annual.glb beside annual.csv, or
     /// into the city model of the scene; may be repeated, or several with commas.
     #[field(name = "map", python = "maps", metavar = "FORMAT", delimiter = ',', neutral)]
     pub maps: Vec<RunMap>,

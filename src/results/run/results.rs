@@ -160,9 +160,9 @@ impl RunResults<'_> {
     /// Returns the map, the picture and the further maps.
     fn maps(&self) -> Vec<MapFile> {
         let file = |path: &Path, format| MapFile { path: path.to_owned(), format };
-        let usual = [file(&self.files.map, MapFormat::Ply), file(&self.files.picture, MapFormat::Png)];
-        let further = maps::formats(&self.request.maps);
-        let further = further.map(|format| file(&self.files.further_map(RunMap::Map(format)), format));
-        usual.into_iter().chain(further).collect()
+        let picture = file(&self.files.picture, MapFormat::Png);
+        let maps = maps::formats(&self.request.maps);
+        let maps = maps.map(|format| file(&self.files.map(RunMap::Map(format)), format));
+        std::iter::once(picture).chain(maps).collect()
     }
 }

@@ -1,4 +1,4 @@
-// Do moments have the numbers of `heliotile query` and of the hours of `heliotile replay`?
+// Do moments have the numbers of `heliotile replay` and of the hours of `heliotile replay`?
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { join } from "node:path";

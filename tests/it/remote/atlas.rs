@@ -16,9 +16,9 @@ static BLOCK: LazyLock<Folder> = LazyLock::new(|| {
     let model = Path::new(crate::ROOT).join("tests/data/cityjson/hague.city.json");
     let cut = "--crs EPSG:28992 --part-size 45m --spacing 4m --quality draft --sample 0";
     for line in [
-        &format!("partition {} {cut} -o atlas", model.display()),
+        &format!("atlas partition {} {cut} -o atlas", model.display()),
         "build atlas --part all",
-        "catalogue atlas --title Block",
+        "atlas catalogue atlas --title Block",
     ] {
         let ran = folder.run(line);
         assert!(ran.status.success(), "{line}: {}", stderr(&ran));
@@ -63,14 +63,14 @@ fn an_atlas_reads_alike_from_a_store_and_a_folder() {
     let (folder, store) = placed();
     let mut bytes = Vec::new();
     for line in [
-        &format!("find AT --bbox {BOX}"),
-        "find AT",
+        &format!("atlas find AT --bbox {BOX}"),
+        "atlas find AT",
         "info AT",
-        "verify AT",
-        "query AT --conditions conditions.csv --by surface",
+        "archive verify AT",
+        "replay AT --conditions conditions.csv --by surface",
         &format!("replay AT --weather w.epw --every total --bbox {BOX}"),
         "replay AT --weather w.epw --every total",
-        &format!("factors AT --bbox {BOX} --by surface"),
+        &format!("energyplus factors AT --bbox {BOX} --by surface"),
         "export AT --view-factors -o -",
         "buildings AT --weather w.epw -o out.csv",
         "places AT --weather w.epw -o out.csv",
@@ -116,8 +116,8 @@ fn parts_are_built_in_the_store_of_their_plan() {
             assert!(text.contains(word), "{line}: `{word}` is not in {text}");
         }
     };
-    said(&format!("partition block.city.json {cut} -o atlas"), 0, &["4 parts of 45 m"]);
-    said("copy atlas s3://bucket/atlas", 0, &["4 parts not built yet", "1 file"]);
+    said(&format!("atlas partition block.city.json {cut} -o atlas"), 0, &["4 parts of 45 m"]);
+    said("archive copy atlas s3://bucket/atlas", 0, &["4 parts not built yet", "1 file"]);
     let there = || store.names().into_iter().filter(|name| name.starts_with("bucket/atlas/")).collect::<Vec<_>>();
     assert_eq!(there(), ["bucket/atlas/atlas.json"]);
     let replay = "replay s3://bucket/atlas --weather w.epw --every total";
@@ -166,23 +166,23 @@ fn an_atlas_is_copied_to_a_store_and_back() {
     };
     // The copy ends with an error while requests fail, before the plan is written.
     store.set_faults(|number| if number > 12 { Fault::Status(403) } else { Fault::None });
-    let (code, said) = ran("copy atlas s3://bucket/new");
+    let (code, said) = ran("archive copy atlas s3://bucket/new");
     assert!(code == Some(2) && store.get("bucket/new/atlas.json").is_none(), "{said}");
     store.set_faults(|_| Fault::None);
-    let (code, said) = ran("copy atlas s3://bucket/new");
+    let (code, said) = ran("archive copy atlas s3://bucket/new");
     assert!(code == Some(0) && is_there("bucket/new"), "{said}");
     assert_eq!(store.newest(), "bucket/new/atlas.json");
-    let (code, said) = ran("copy atlas s3://bucket/new");
+    let (code, said) = ran("archive copy atlas s3://bucket/new");
     assert!(code == Some(0) && said.contains("10 files, 0 of them new"), "{said}");
     // Files that are not of the catalogue are not copied, and files of the user are not replaced.
     folder.write("atlas/notes.txt", "mine");
     fs::create_dir(folder.path("mine")).expect("made");
     folder.write("mine/view.html", "mine");
-    assert_eq!(ran("copy atlas s3://bucket/new").0, Some(0));
+    assert_eq!(ran("archive copy atlas s3://bucket/new").0, Some(0));
     assert!(store.get("bucket/new/notes.txt").is_none());
     folder.write("atlas/view.html", "the page");
-    assert_eq!(ran("copy atlas s3://bucket/new").0, Some(0));
-    let (code, said) = ran("copy s3://bucket/new mine");
+    assert_eq!(ran("archive copy atlas s3://bucket/new").0, Some(0));
+    let (code, said) = ran("archive copy s3://bucket/new mine");
     assert!(code == Some(2) && said.contains("view.html: is there already"), "{said}");
     assert_eq!(fs::read(folder.path("mine/view.html")).ok().as_deref(), Some(&b"mine"[..]));
     fs::remove_file(folder.path("atlas/view.html")).expect("removed");
@@ -190,17 +190,17 @@ fn an_atlas_is_copied_to_a_store_and_back() {
     // A catalogue that was made again replaces the older one.
     let catalogue = fs::read(folder.path("atlas/collection.json")).expect("a catalogue");
     folder.write("atlas/collection.json", "{}");
-    let (code, said) = ran("copy atlas s3://bucket/new");
+    let (code, said) = ran("archive copy atlas s3://bucket/new");
     assert!(code == Some(0) && said.contains("10 files, 1 of them new"), "{said}");
     fs::write(folder.path("atlas/collection.json"), catalogue).expect("written");
-    assert_eq!(ran("copy atlas s3://bucket/new").0, Some(0));
+    assert_eq!(ran("archive copy atlas s3://bucket/new").0, Some(0));
     assert!(is_there("bucket/new"));
-    assert_eq!(ran("copy s3://bucket/new s3://whole/").0, Some(0));
+    assert_eq!(ran("archive copy s3://bucket/new s3://whole/").0, Some(0));
     assert!(is_there("whole"));
-    assert!(ran("find s3://whole").1.contains("s3://whole/parts/x1749_y10176/site.helio"));
+    assert!(ran("atlas find s3://whole").1.contains("s3://whole/parts/x1749_y10176/site.helio"));
     let places = ["s3://bucket/new", "s3://whole", "s3://whole/"].map(str::to_owned);
     for place in places.into_iter().chain([format!("http://{}/bucket/new", store.address)]) {
-        let line = format!("copy {place} back");
+        let line = format!("archive copy {place} back");
         for new in ["10 of them new", "0 of them new"] {
             let (code, said) = ran(&line);
             assert!(code == Some(0) && said.contains(new), "{said}");
@@ -210,20 +210,20 @@ fn an_atlas_is_copied_to_a_store_and_back() {
         }
         fs::remove_dir_all(folder.path("back")).expect("removed");
     }
-    assert_eq!(ran("copy s3://bucket/new s3://bucket/second").0, Some(0));
+    assert_eq!(ran("archive copy s3://bucket/new s3://bucket/second").0, Some(0));
     assert!(is_there("bucket/second"));
     let part = files().into_iter().find(|(name, _)| name.ends_with(".helio")).expect("a part");
     store.put(&format!("bucket/new/{}", part.0), b"another".to_vec());
-    let (code, said) = ran("copy atlas s3://bucket/new");
+    let (code, said) = ran("archive copy atlas s3://bucket/new");
     assert!(code == Some(2) && said.contains("site.helio: is there already") && said.contains("--replace"), "{said}");
-    assert_eq!(ran("copy atlas s3://bucket/new --replace").0, Some(0));
+    assert_eq!(ran("archive copy atlas s3://bucket/new --replace").0, Some(0));
     assert!(is_there("bucket/new"));
     let plan = fs::read_to_string(folder.path("atlas/atlas.json")).expect("a plan");
     folder.write("atlas/atlas.json", &plan.replace("\"halo_m\": 300.0", "\"halo_m\": 200.0"));
-    let (code, said) = ran("copy atlas s3://bucket/new --replace");
+    let (code, said) = ran("archive copy atlas s3://bucket/new --replace");
     assert!(code == Some(2) && said.contains("s3://bucket/new: holds another atlas"), "{said}");
-    assert!(ran("copy atlas https://host/atlas").1.contains("to fix"));
-    assert!(ran("copy atlas other").1.contains("copy files with `cp`"));
+    assert!(ran("archive copy atlas https://host/atlas").1.contains("to fix"));
+    assert!(ran("archive copy atlas other").1.contains("copy files with `cp`"));
 }
 
 /// 14 wrong places and parts are refused with a finding and a hint, and no secret is printed. A
@@ -239,11 +239,11 @@ fn wrong_places_and_parts_are_refused() {
     };
     let replay = |place: &str| format!("replay {place} --weather w.epw --every total");
     refused(&replay("s3://bucket/nowhere"), &["s3://bucket/nowhere: is not there (404)", "atlas.json"]);
-    refused("find s3://bucket/nowhere", &["s3://bucket/nowhere: holds no atlas.json", "heliotile copy"]);
-    refused("find http://127.0.0.1:1/atlas?sig=s3cret", &["127.0.0.1:1/atlas/atlas.json: request failed"]);
-    refused("find s3://bucket/atlas --bbox 0,0,1,1", &["no part of the atlas touches the box"]);
+    refused("atlas find s3://bucket/nowhere", &["s3://bucket/nowhere: holds no atlas.json", "heliotile archive copy"]);
+    refused("atlas find http://127.0.0.1:1/atlas?sig=s3cret", &["127.0.0.1:1/atlas/atlas.json: request failed"]);
+    refused("atlas find s3://bucket/atlas --bbox 0,0,1,1", &["no part of the atlas touches the box"]);
     refused("build s3://bucket/nowhere --part 0", &["s3://bucket/nowhere: holds no atlas.json"]);
-    refused("catalogue s3://bucket/atlas", &["is an address"]);
+    refused("atlas catalogue s3://bucket/atlas", &["is an address"]);
     refused("view s3://bucket/atlas", &["is a remote atlas", "view.html"]);
     refused("view s3://bucket/nowhere", &["is not there"]);
     let site = "bucket/atlas/parts/x1749_y10177/site.helio";
@@ -258,7 +258,7 @@ fn wrong_places_and_parts_are_refused() {
     store.put("bucket/atlas/parts/x1749_y10177/no-receivers.txt", b"Nothing.".to_vec());
     let three = run(&folder, &store, &replay("s3://bucket/atlas"));
     assert!(three.status.success(), "{}", stderr(&three));
-    let found = stdout(&run(&folder, &store, "find s3://bucket/atlas"));
+    let found = stdout(&run(&folder, &store, "atlas find s3://bucket/atlas"));
     assert!(found.contains("x1749_y10177,78705,457965,empty,\n"), "{found}");
     store.put(site, whole[..whole.len() / 2].to_vec());
     refused(&replay("s3://bucket/atlas"), &["x1749_y10177/site.helio"]);
@@ -286,7 +286,7 @@ fn wrong_places_and_parts_are_refused() {
     let long = text.replacen('{', &format!("{{{}", " ".repeat(200_000)), 1);
     store.put("bucket/atlas/atlas.json", long.into_bytes());
     store.set_faults(|number| if number == 2 { Fault::Replace } else { Fault::None });
-    refused("find s3://bucket/atlas", &["s3://bucket/atlas/atlas.json: has changed while it was read"]);
+    refused("atlas find s3://bucket/atlas", &["s3://bucket/atlas/atlas.json: has changed while it was read"]);
     store.set_faults(|_| Fault::Status(403));
     refused("info s3://bucket/atlas", &["access is denied (403, Injected)", "AWS_ACCESS_KEY_ID"]);
 }

@@ -26,20 +26,20 @@ fn files_are_copied_to_a_store_and_back() {
         let ran = run(&folder, &store, line);
         (ran.status.code(), format!("{}{}", stdout(&ran), stderr(&ran)))
     };
-    assert_eq!(ran("copy site.helio s3://bucket/new/a.helio").0, Some(0));
+    assert_eq!(ran("archive copy site.helio s3://bucket/new/a.helio").0, Some(0));
     assert_eq!(store.get("bucket/new/a.helio").as_ref(), Some(&HAGUE.1));
-    assert_eq!(ran("copy conditions.csv s3://bucket/new/c.csv").0, Some(0));
-    assert_eq!(ran("copy s3://bucket/new/a.helio b.helio").0, Some(0));
+    assert_eq!(ran("archive copy conditions.csv s3://bucket/new/c.csv").0, Some(0));
+    assert_eq!(ran("archive copy s3://bucket/new/a.helio b.helio").0, Some(0));
     assert!(fs::read(folder.path("b.helio")).expect("a file") == HAGUE.1);
-    assert_eq!(ran("copy s3://bucket/new/c.csv c.csv").0, Some(0));
+    assert_eq!(ran("archive copy s3://bucket/new/c.csv c.csv").0, Some(0));
     assert_eq!(fs::read(folder.path("c.csv")).ok(), fs::read(folder.path("conditions.csv")).ok());
-    assert!(ran("copy site.helio s3://bucket/new/a.helio").1.contains("up to date"));
-    for line in ["copy s3://bucket/new/c.csv b.helio", "copy conditions.csv s3://bucket/new/a.helio"] {
+    assert!(ran("archive copy site.helio s3://bucket/new/a.helio").1.contains("up to date"));
+    for line in ["archive copy s3://bucket/new/c.csv b.helio", "archive copy conditions.csv s3://bucket/new/a.helio"] {
         let (code, said) = ran(line);
         assert!(code == Some(2) && said.contains("is there already") && said.contains("--replace"), "{said}");
     }
     assert_eq!(store.get("bucket/new/a.helio").as_ref(), Some(&HAGUE.1));
-    assert_eq!(ran("copy conditions.csv s3://bucket/new/a.helio --replace").0, Some(0));
+    assert_eq!(ran("archive copy conditions.csv s3://bucket/new/a.helio --replace").0, Some(0));
     assert_eq!(store.get("bucket/new/a.helio"), fs::read(folder.path("conditions.csv")).ok());
     // A damaged archive has the same root, and is mended by --replace, also in a file.
     let mut damaged = HAGUE.1.clone();
@@ -47,18 +47,20 @@ fn files_are_copied_to_a_store_and_back() {
     store.put("bucket/new/e.helio", damaged.clone());
     fs::write(folder.path("b.helio"), &damaged).expect("written");
     for (line, mended) in [
-        ("copy site.helio s3://bucket/new/e.helio --replace", "s3://bucket/new/e.helio"),
-        ("copy s3://bucket/new/e.helio b.helio --replace", "b.helio"),
+        ("archive copy site.helio s3://bucket/new/e.helio --replace", "s3://bucket/new/e.helio"),
+        ("archive copy s3://bucket/new/e.helio b.helio --replace", "b.helio"),
     ] {
-        assert_eq!(ran(&format!("verify {mended}")).0, Some(1), "{mended}");
+        assert_eq!(ran(&format!("archive verify {mended}")).0, Some(1), "{mended}");
         assert_eq!(ran(line).0, Some(0), "{line}");
-        assert_eq!(ran(&format!("verify {mended}")).0, Some(0), "{mended}");
+        assert_eq!(ran(&format!("archive verify {mended}")).0, Some(0), "{mended}");
     }
-    assert!(ran("copy site.helio other.helio").1.contains("copy files with `cp`"));
-    assert!(ran("copy site.helio https://host/site.helio").1.contains("heliotile writes to object stores only"));
+    assert!(ran("archive copy site.helio other.helio").1.contains("copy files with `cp`"));
+    assert!(
+        ran("archive copy site.helio https://host/site.helio").1.contains("heliotile writes to object stores only")
+    );
     // The first request is a HEAD, whose answer has no body.
     store.set_faults(|_| Fault::Skewed);
-    let (code, said) = ran("copy site.helio s3://bucket/new/d.helio");
+    let (code, said) = ran("archive copy site.helio s3://bucket/new/d.helio");
     assert!(
         code == Some(2) && said.contains("this machine's clock is off, the store's clock says 2026-11-23"),
         "{said}"
@@ -85,23 +87,23 @@ fn google_stores_copy_and_keep_objects() {
         (ran.status.code(), format!("{}{}", stdout(&ran), stderr(&ran)))
     };
     for name in ["site.helio", "large.helio"] {
-        let (code, said) = ran(&format!("copy {name} gs://bucket/{name}"));
+        let (code, said) = ran(&format!("archive copy {name} gs://bucket/{name}"));
         assert_eq!(code, Some(0), "{said}");
-        let (code, said) = ran(&format!("copy gs://bucket/{name} back.helio --replace"));
+        let (code, said) = ran(&format!("archive copy gs://bucket/{name} back.helio --replace"));
         assert_eq!(code, Some(0), "{said}");
         assert!(fs::read(folder.path("back.helio")).ok() == fs::read(folder.path(name)).ok(), "{name}");
-        assert!(ran(&format!("copy {name} gs://bucket/{name}")).1.contains("up to date"));
+        assert!(ran(&format!("archive copy {name} gs://bucket/{name}")).1.contains("up to date"));
     }
-    let query = |place: &str| ran(&format!("query {place} --conditions conditions.csv"));
+    let query = |place: &str| ran(&format!("replay {place} --conditions conditions.csv"));
     assert!(query("gs://bucket/site.helio") == query("site.helio"));
-    let (code, said) = ran("copy site.helio gs://bucket/large.helio");
+    let (code, said) = ran("archive copy site.helio gs://bucket/large.helio");
     assert!(code == Some(2) && said.contains("is there already"), "{said}");
-    assert_eq!(ran("copy site.helio gs://bucket/large.helio --replace").0, Some(0));
-    assert_eq!(ran("copy gs://bucket/large.helio back.helio --replace").0, Some(0));
+    assert_eq!(ran("archive copy site.helio gs://bucket/large.helio --replace").0, Some(0));
+    assert_eq!(ran("archive copy gs://bucket/large.helio back.helio --replace").0, Some(0));
     assert!(fs::read(folder.path("back.helio")).ok().as_ref() == Some(&HAGUE.1));
     // Another program writes between the first look and the upload.
     store.set_faults(|number| if number == 1 { Fault::Replace } else { Fault::None });
-    let (code, said) = ran("copy conditions.csv gs://bucket/large.helio --replace");
+    let (code, said) = ran("archive copy conditions.csv gs://bucket/large.helio --replace");
     assert!(code == Some(2) && said.contains("was written by another program"), "{said}");
 }
 
@@ -112,7 +114,7 @@ fn google_stores_copy_and_keep_objects() {
 fn commands_follow_a_pointer() {
     let (folder, store) = hague();
     fs::write(folder.path("large.helio"), large()).expect("written");
-    let sent = run(&folder, &store, "copy large.helio s3://bucket/large.helio");
+    let sent = run(&folder, &store, "archive copy large.helio s3://bucket/large.helio");
     assert!(sent.status.success(), "{}", stderr(&sent));
     let names: Vec<String> = store.names().into_iter().filter(|name| name.contains("large")).collect();
     assert_eq!(names.len(), 2);
@@ -120,20 +122,20 @@ fn commands_follow_a_pointer() {
     assert!(store.get(data) == Some(large()));
     let pointer = store.get("bucket/large.helio").expect("a pointer");
     assert_eq!(pointer.len(), 201);
-    let query = |place: &str| stdout(&run(&folder, &store, &format!("query {place} --conditions conditions.csv")));
+    let query = |place: &str| stdout(&run(&folder, &store, &format!("replay {place} --conditions conditions.csv")));
     let near = query("site.helio");
     assert!(near.len() > 1000 && query("s3://bucket/large.helio") == near);
     fs::create_dir(folder.path("copies")).expect("a folder");
     fs::write(folder.path("copies/large.helio"), &pointer).expect("written");
     fs::write(folder.path("copies").join(data.rsplit('/').next().expect("a name")), large()).expect("written");
     assert_eq!(query("copies/large.helio"), near);
-    let fetched = run(&folder, &store, "copy s3://bucket/large.helio fetched.helio");
+    let fetched = run(&folder, &store, "archive copy s3://bucket/large.helio fetched.helio");
     assert!(
         fetched.status.success() && fs::read(folder.path("fetched.helio")).ok() == Some(large()),
         "{}",
         stderr(&fetched)
     );
-    let other = folder.run("extract site.helio -r some.csv -o other.helio");
+    let other = folder.run("archive extract site.helio -r some.csv -o other.helio");
     assert!(other.status.success());
     store.put(data, fs::read(folder.path("other.helio")).expect("an archive"));
     let said = stderr(&run(&folder, &store, "info s3://bucket/large.helio"));
@@ -147,7 +149,7 @@ fn commands_follow_a_pointer() {
 fn one_of_two_writers_wins() {
     let (folder, store) = hague();
     let mut other = large();
-    let extracted = folder.run("extract site.helio -r some.csv -o other.helio");
+    let extracted = folder.run("archive extract site.helio -r some.csv -o other.helio");
     assert!(extracted.status.success());
     let small = fs::read(folder.path("other.helio")).expect("an archive");
     other.fill(0);
@@ -157,7 +159,7 @@ fn one_of_two_writers_wins() {
     for round in 0..6 {
         let files = if round == 5 { ["a", "a"] } else { ["a", "b"] };
         let writers = files.map(|file| {
-            let line = format!("copy {file}.helio s3://bucket/race{round}.helio");
+            let line = format!("archive copy {file}.helio s3://bucket/race{round}.helio");
             afar(&folder, &store, &line, false).stderr(std::process::Stdio::piped()).spawn().expect("the program")
         });
         let ended = writers.map(|writer| writer.wait_with_output().expect("an end"));
@@ -173,7 +175,7 @@ fn one_of_two_writers_wins() {
                 );
             }
         }
-        let checked = run(&folder, &store, &format!("verify s3://bucket/race{round}.helio"));
+        let checked = run(&folder, &store, &format!("archive verify s3://bucket/race{round}.helio"));
         assert!(checked.status.success(), "{}", stderr(&checked));
     }
 }
@@ -194,8 +196,8 @@ fn faults_leave_a_whole_object_or_none() {
             _ => Fault::None,
         };
         let (line, name) = match round % 2 {
-            0 => (format!("copy large.helio s3://bucket/f{round}.helio"), format!("bucket/f{round}.helio")),
-            _ => (format!("copy s3://bucket/site.helio f{round}.helio"), String::new()),
+            0 => (format!("archive copy large.helio s3://bucket/f{round}.helio"), format!("bucket/f{round}.helio")),
+            _ => (format!("archive copy s3://bucket/site.helio f{round}.helio"), String::new()),
         };
         store.set_faults(fault);
         let ran = run(&folder, &store, &line);
@@ -206,7 +208,7 @@ fn faults_leave_a_whole_object_or_none() {
             (1, true) => assert!(fs::read(folder.path(&format!("f{round}.helio"))).ok().as_ref() == Some(&HAGUE.1)),
             (1, false) => assert!(!folder.path(&format!("f{round}.helio")).exists()),
             (_, fine) => {
-                let checked = run(&folder, &store, &format!("verify s3://{name}"));
+                let checked = run(&folder, &store, &format!("archive verify s3://{name}"));
                 assert!(checked.status.success() || (!fine && store.get(&name).is_none()), "{}", stderr(&checked));
             }
         }

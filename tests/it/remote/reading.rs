@@ -12,14 +12,14 @@ use crate::cli::{stderr, stdout};
 /// files to `out`.
 const COMMANDS: [&str; 9] = [
     "info AT",
-    "verify AT --deep",
-    "query AT --conditions conditions.csv",
-    "query AT --conditions conditions.csv --bounces 1 --reflectance ground=0.5",
+    "archive verify AT --deep",
+    "replay AT --conditions conditions.csv",
+    "replay AT --conditions conditions.csv --bounces 1 --reflectance ground=0.5",
     "replay AT --weather w.epw --every month --by surface",
-    "factors AT --by surface",
+    "energyplus factors AT --by surface",
     "buildings AT --weather w.epw -o out.csv",
     "export AT --view-factors -o out.csv",
-    "extract AT --bbox 0,0,1e9,1e9 -o out.helio",
+    "archive extract AT --bbox 0,0,1e9,1e9 -o out.helio",
 ];
 
 /// 9 commands print and write the same bytes from a store as from a file, but for the archive's
@@ -51,14 +51,14 @@ fn a_store_reads_like_a_file() {
 #[test]
 fn a_cache_saves_requests() {
     let (folder, store) = hague();
-    let query = "query s3://bucket/site.helio --conditions conditions.csv";
+    let query = "replay s3://bucket/site.helio --conditions conditions.csv";
     let asked = |line: &str| {
         store.set_faults(|_| Fault::None);
         let ran = afar(&folder, &store, line, true).output().expect("the program");
         assert!(ran.status.success(), "{}", stderr(&ran));
         (stdout(&ran), store.requests.load(Ordering::Relaxed), store.sent.load(Ordering::Relaxed))
     };
-    let near = stdout(&folder.run("query site.helio --conditions conditions.csv"));
+    let near = stdout(&folder.run("replay site.helio --conditions conditions.csv"));
     let (cold, warm) = (asked(query), asked(query));
     assert!(cold.0 == near && warm.0 == near);
     assert!(cold.1 > warm.1 && warm.1 == 2 && warm.2 <= 80 << 10, "{} {} {}", cold.1, warm.1, warm.2);
@@ -75,11 +75,11 @@ fn a_cache_saves_requests() {
     }
     let mended = asked(query);
     assert!(mended.0 == near && mended.1 > 2, "{}", mended.1);
-    assert!(asked("verify s3://bucket/site.helio").2 as usize >= HAGUE.1.len());
-    let other = folder.run("extract site.helio -r some.csv -o other.helio");
+    assert!(asked("archive verify s3://bucket/site.helio").2 as usize >= HAGUE.1.len());
+    let other = folder.run("archive extract site.helio -r some.csv -o other.helio");
     assert!(other.status.success(), "{}", stderr(&other));
     store.put("bucket/site.helio", fs::read(folder.path("other.helio")).expect("an archive"));
-    assert_eq!(asked(query).0, stdout(&folder.run("query other.helio --conditions conditions.csv")));
+    assert_eq!(asked(query).0, stdout(&folder.run("replay other.helio --conditions conditions.csv")));
 }
 
 /// Returns a pseudo-random number for each seed.
@@ -96,7 +96,7 @@ fn mixed(seed: u64) -> u64 {
 #[test]
 fn faults_end_in_the_table_or_an_error() {
     let (folder, store) = hague();
-    let near = stdout(&folder.run("query site.helio --conditions conditions.csv"));
+    let near = stdout(&folder.run("replay site.helio --conditions conditions.csv"));
     let (mut right, mut refused, mut met) = (0, 0, 0);
     for round in 0..60_u64 {
         // `Replace` changes the object for good.
@@ -114,7 +114,7 @@ fn faults_end_in_the_table_or_an_error() {
         };
         store.set_faults(fault);
         let begun = Instant::now();
-        let ran = run(&folder, &store, "query s3://bucket/site.helio --conditions conditions.csv");
+        let ran = run(&folder, &store, "replay s3://bucket/site.helio --conditions conditions.csv");
         assert!(begun.elapsed() < Duration::from_secs(30), "{round}: {:?}", begun.elapsed());
         met += (0..store.requests.load(Ordering::Relaxed)).filter(|&number| fault(number) != Fault::None).count();
         match ran.status.code() {
@@ -145,7 +145,7 @@ fn an_object_that_changes_is_an_error() {
     for nth in [2, 3] {
         store.put("bucket/site.helio", HAGUE.1.clone());
         store.set_faults(move |number| if number == nth { Fault::Replace } else { Fault::None });
-        let ran = run(&folder, &store, "query s3://bucket/site.helio --conditions conditions.csv");
+        let ran = run(&folder, &store, "replay s3://bucket/site.helio --conditions conditions.csv");
         let said = stderr(&ran);
         assert!(ran.status.code() == Some(2) && said.contains("has changed while it was read"), "{nth}: {said}");
     }
@@ -158,11 +158,11 @@ fn an_object_that_changes_is_an_error() {
 #[test]
 fn passwords_are_sent_and_never_printed() {
     let (folder, store) = hague();
-    let near = stdout(&folder.run("query site.helio --conditions conditions.csv"));
+    let near = stdout(&folder.run("replay site.helio --conditions conditions.csv"));
     // Python's base64 of `me and:s3cret:100%`.
     store.want("Basic bWUgYW5kOnMzY3JldDoxMDAl");
     let query = |user: &str| {
-        let line = format!("query http://{user}@{}/bucket/site.helio --conditions conditions.csv", store.address);
+        let line = format!("replay http://{user}@{}/bucket/site.helio --conditions conditions.csv", store.address);
         run(&folder, &store, &line)
     };
     let right = query("me%20and:s3cret%3A100%25");
@@ -191,7 +191,7 @@ fn passwords_are_sent_and_never_printed() {
     }
     // Variables of another store, and empty ones, are ignored.
     let line = format!(
-        "query http://me%20and:s3cret%3A100%25@{}/bucket/site.helio --conditions conditions.csv",
+        "replay http://me%20and:s3cret%3A100%25@{}/bucket/site.helio --conditions conditions.csv",
         store.address
     );
     let mut command = afar(&folder, &store, &line, false);
@@ -238,8 +238,8 @@ fn wrong_places_are_refused() {
     store.set_faults(|_| Fault::None);
     store.set_ranges(false);
     let web = format!("http://{}/bucket/", store.address);
-    let whole = run(&folder, &store, &format!("query {web}site.helio --conditions conditions.csv"));
-    assert_eq!(stdout(&whole), stdout(&folder.run("query site.helio --conditions conditions.csv")));
+    let whole = run(&folder, &store, &format!("replay {web}site.helio --conditions conditions.csv"));
+    assert_eq!(stdout(&whole), stdout(&folder.run("replay site.helio --conditions conditions.csv")));
     store.put("bucket/large.helio", vec![0; 50_000_001]);
     refused(
         &format!("{web}large.helio"),

@@ -78,5 +78,5 @@ pub fn query(archive: &Path, conditions: &Path) {
             std::hint::black_box(format::checksum(bytes));
         });
     });
-    println!("query of {} conditions: {whole:.1} ms; checksums of its {bytes} bytes: {sums:.2} ms", conditions.len());
+    println!("replay of {} conditions: {whole:.1} ms; checksums of its {bytes} bytes: {sums:.2} ms", conditions.len());
 }

@@ -2,13 +2,13 @@
 //! arguments, or the end of the program with a message.
 
 use std::ffi::OsString;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
 use clap::{ArgMatches, Command, FromArgMatches};
 
 use super::invocation::provenance;
-use crate::cli::{Asked, Cli, EverywhereArgs, Other, command_line, command_line_with, given};
+use crate::cli::{Asked, Cli, EverywhereArgs, command_line, command_line_with, given, named};
 use heliotile::Provenance;
 use heliotile::cases;
 
@@ -20,7 +20,7 @@ pub fn parse(words: &[OsString]) -> (Cli, Provenance) {
         let cli = cli_of(&matches).map_err(|error| error.format(&mut command_line()))?;
         let about = match &cli.command {
             Asked::Case(command, given) => provenance(command, given),
-            Asked::Other(_) => Provenance::default(),
+            Asked::Completions(_) | Asked::Man(_) => Provenance::default(),
         };
         Ok((cli, about))
     });
@@ -32,13 +32,43 @@ pub fn parse(words: &[OsString]) -> (Cli, Provenance) {
     })
 }
 
+/// Names of commands that have moved, and what is typed now.
+const MOVED: [(&str, &str); 16] = [
+    ("verify", "heliotile archive verify"),
+    ("audit", "heliotile archive audit"),
+    ("repair", "heliotile archive repair"),
+    ("extract", "heliotile archive extract"),
+    ("merge", "heliotile archive merge"),
+    ("diff", "heliotile archive diff"),
+    ("copy", "heliotile archive copy"),
+    ("partition", "heliotile atlas partition"),
+    ("catalogue", "heliotile atlas catalogue"),
+    ("find", "heliotile atlas find"),
+    ("factors", "heliotile energyplus factors"),
+    ("plan", "heliotile build --dry-run"),
+    ("query", "heliotile replay --conditions TABLE, or with --sun, --dni and --dhi"),
+    ("rules", "heliotile info --rule all"),
+    ("completions", "heliotile --completions SHELL"),
+    ("man", "heliotile --man FOLDER"),
+];
+
 fn cli_of(matches: &ArgMatches) -> Result<Cli, Error> {
-    let case = matches.subcommand().and_then(|(name, inside)| Some((cases::Command::of(name)?, inside)));
-    let command = match case {
-        Some((command, inside)) => Asked::Case(command, given(command, inside)),
-        None => Asked::Other(Other::from_arg_matches(matches)?),
+    let command = match (matches.subcommand(), matches.get_one("completions"), matches.get_one::<PathBuf>("man")) {
+        (Some((name, inside)), ..) => case_of(name, inside),
+        (None, Some(shell), _) => Some(Asked::Completions(*shell)),
+        (None, None, folder) => folder.map(|folder| Asked::Man(folder.clone())),
     };
-    Ok(Cli { command, everywhere: EverywhereArgs::from_arg_matches(matches)? })
+    let missing = || Error::raw(ErrorKind::MissingSubcommand, "a command is missing, such as heliotile run\n");
+    Ok(Cli { command: command.ok_or_else(missing)?, everywhere: EverywhereArgs::from_arg_matches(matches)? })
+}
+
+/// Returns the command of a name, or the one that stands behind the name of its group.
+fn case_of(name: &str, inside: &ArgMatches) -> Option<Asked> {
+    let of_group = inside
+        .subcommand()
+        .and_then(|(last, inside)| cases::Command::of(&format!("{name} {last}")).map(|command| (command, inside)));
+    let (command, inside) = of_group.or_else(|| Some((cases::Command::of(name)?, inside)))?;
+    Some(Asked::Case(command, given(command, inside)))
 }
 
 /// Returns a hint for a file or an option that is typed where the command belongs.
@@ -47,6 +77,9 @@ fn command_first(error: &Error, words: &[OsString]) -> Option<String> {
     let names: Vec<String> = command_line().get_subcommands().map(|command| command.get_name().to_owned()).collect();
     if names.contains(&first) {
         return None;
+    }
+    if let Some((_, now)) = MOVED.iter().find(|(name, _)| *name == first) {
+        return Some(format!("`{first}` is now: {now}"));
     }
     let wrong = match error.kind() {
         ErrorKind::InvalidSubcommand => error.get(ContextKind::InvalidSubcommand),
@@ -81,10 +114,11 @@ fn of_others(error: &Error) -> Option<String> {
     };
     let name = wrong.strip_prefix("--")?.split('=').next()?;
     let cli = command_line();
-    let takes = |command: &&Command| command.get_arguments().any(|arg| arg.get_long() == Some(name));
-    let names: Vec<&str> = cli.get_subcommands().filter(takes).map(Command::get_name).collect();
+    let takes = |command: &Command| command.get_arguments().any(|arg| arg.get_long() == Some(name));
+    let names: Vec<String> =
+        named(&cli).into_iter().filter(|(_, command)| takes(command)).map(|(name, _)| name).collect();
     let (last, before) = names.split_last()?;
-    let list = if before.is_empty() { (*last).to_owned() } else { format!("{} and {last}", before.join(", ")) };
+    let list = if before.is_empty() { last.clone() } else { format!("{} and {last}", before.join(", ")) };
     Some(format!("this command has no --{name}; {list} {}", if before.is_empty() { "has one" } else { "have one" }))
 }
 
@@ -97,8 +131,8 @@ mod tests {
         command_first(&command_line().try_get_matches_from(&words).err()?, &words)
     }
 
-    /// A scene, an archive and an option before the command get a hint, 4 of 4; a misspelt command
-    /// and a command's own mistake do not.
+    /// A scene, an archive and an option before the command get a hint, 4 of 4, and so does the
+    /// former name of a command; a misspelt command and a command's own mistake do not.
     #[test]
     fn commands_come_first() {
         for (line, part) in [
@@ -109,6 +143,7 @@ mod tests {
         ] {
             assert!(hint(line).is_some_and(|hint| hint.contains(part)), "{line}: {:?}", hint(line));
         }
+        assert!(hint("heliotile verify a.helio").is_some_and(|hint| hint.contains("heliotile archive verify")));
         for line in ["heliotile rnu", "heliotile run --wether w.epw a.obj", "heliotile --threads 2 build --run a.obj"] {
             assert_eq!(hint(line), None, "{line}");
         }

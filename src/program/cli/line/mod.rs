@@ -4,12 +4,10 @@ mod everywhere;
 mod invocation;
 mod misplaced;
 mod shell_words;
-mod shells;
 mod wording;
 
 pub use everywhere::EverywhereArgs;
 pub use invocation::again;
 pub use misplaced::parse;
 pub use shell_words::quoted;
-pub use shells::{CompletionsArgs, ManArgs};
 pub use wording::{command_of, option_of, worded, worded_text};

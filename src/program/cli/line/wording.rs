@@ -5,15 +5,15 @@
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
-use crate::cli::command_line;
+use crate::cli::{command_line, named};
 use heliotile::Error;
+use heliotile::cases::COMMANDS;
 use heliotile::text::{Message, Named};
 
-/// Options by the request field that they fill: the arguments of all commands, without those of the
-/// commands of `study` and `store`.
+/// Options by the request field that they fill: the arguments of all commands.
 static OPTIONS: LazyLock<BTreeMap<String, String>> = LazyLock::new(|| {
     let cli = command_line();
-    let commands = [&cli].into_iter().chain(cli.get_subcommands());
+    let commands = [&cli].into_iter().chain(named(&cli).into_iter().map(|(_, command)| command));
     let options = commands.flat_map(|command| command.get_arguments());
     options.filter_map(|arg| Some((arg.get_id().to_string(), format!("--{}", arg.get_long()?)))).collect()
 });
@@ -34,15 +34,14 @@ pub fn option_of(field: &str) -> Option<&'static str> {
     OPTIONS.get(field).map(String::as_str)
 }
 
-/// Returns the words of a command behind the program's name, `verify --deep` for `verify_deep`;
-/// `None` if there is no such command.
-pub fn command_of(named: &str) -> Option<String> {
-    let (name, option) = named.split_once('_').map_or((named, None), |(name, option)| (name, Some(option)));
-    let cli = command_line();
-    let command = cli.find_subcommand(name)?;
-    let Some(option) = option else { return Some(name.to_owned()) };
-    let long = command.get_arguments().find(|arg| arg.get_id() == option)?.get_long()?;
-    Some(format!("{name} --{long}"))
+/// Returns the words of a command behind the program's name, `archive verify --deep` for
+/// `verify_deep`; `None` if there is no such command.
+pub fn command_of(last: &str) -> Option<String> {
+    let (last, option) = last.split_once('_').map_or((last, None), |(name, option)| (name, Some(option)));
+    let command = COMMANDS.iter().find(|command| command.last_word() == last)?;
+    let Some(option) = option else { return Some(command.name.to_owned()) };
+    let has_option = (command.rows)().iter().any(|row| row.name == option);
+    has_option.then(|| format!("{} --{}", command.name, option.replace('_', "-")))
 }
 
 fn in_line(named: Named) -> Option<String> {
@@ -72,23 +71,19 @@ mod tests {
     /// A command with and without an option is named as it is typed; 2 that do not exist stay.
     #[test]
     fn commands_are_typed() {
-        assert_eq!(worded_text(&"`{command:verify_deep} a.helio`".into()), "`heliotile verify --deep a.helio`");
-        assert_eq!(worded_text(&"`{command:repair}`".into()), "`heliotile repair`");
+        assert_eq!(worded_text(&"`{command:verify_deep} a.helio`".into()), "`heliotile archive verify --deep a.helio`");
+        assert_eq!(worded_text(&"`{command:repair}`".into()), "`heliotile archive repair`");
         assert_eq!(worded_text(&"{command:mend}".into()), "heliotile mend");
     }
 
     /// A field has one option, whichever command takes it.
     #[test]
     fn options_have_one_name() {
-        for command in command_line().get_subcommands() {
+        let cli = command_line();
+        for (name, command) in named(&cli) {
             for arg in command.get_arguments() {
                 let Some(long) = arg.get_long() else { continue };
-                assert_eq!(
-                    option_of(arg.get_id().as_str()),
-                    Some(format!("--{long}").as_str()),
-                    "{}",
-                    command.get_name()
-                );
+                assert_eq!(option_of(arg.get_id().as_str()), Some(format!("--{long}").as_str()), "{name}");
             }
         }
     }

@@ -1,9 +1,9 @@
-//! Facing wall, a scene whose answer is known. In: its size and distance. Out: its triangles, and
-//! its form factor from a point in front of it.
+//! Facing wall, a scene whose answer is known. In: its size and distance. Out: its form factor from
+//! a point in front of it.
 
 use std::f64::consts::PI;
 
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 
 /// Rectangle at y = `distance_m`, its centre at x = z = 0. Receivers lie at y = 0 and look along y.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,13 +17,6 @@ pub struct Wall {
 }
 
 impl Wall {
-    /// Returns two triangles of one material, in scene coordinates, metres.
-    pub fn triangles(&self, material: u16) -> [([DVec3; 3], u16); 2] {
-        let corner = |x: f64, z: f64| DVec3::new(x * self.width_m / 2.0, self.distance_m, z * self.height_m / 2.0);
-        let [a, b, c, d] = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
-        [([a, b, c], material), ([a, c, d], material)]
-    }
-
     /// Returns the form factor from an element at (x, 0, z), `at` = (x, z), metres. It is the sum
     /// of four rectangles with a corner opposite to the element; their signs take care of elements
     /// beside the wall. Differential element to parallel rectangle: Siegel and Howell, "Thermal
