@@ -121,7 +121,7 @@ impl Default for CutRequest {
 }
 
 /// Most parts of an atlas: a country in parts of 100 m.
-const MOST_PARTS: usize = 10_000_000;
+const MAX_PARTS: usize = 10_000_000;
 
 impl AtlasPlan {
     /// Cuts a site with the surveyed objects. Errors: too many parts; a file that cannot be read
@@ -136,8 +136,8 @@ impl AtlasPlan {
             for x in low.x..=high.x {
                 for y in low.y..=high.y {
                     *touched.entry([x, y]).or_default() += usize::from(!is_wider);
-                    if touched.len() > MOST_PARTS {
-                        let (what, max) = ("the number of parts".to_owned(), MOST_PARTS as u64);
+                    if touched.len() > MAX_PARTS {
+                        let (what, max) = ("the number of parts".to_owned(), MAX_PARTS as u64);
                         return Err(Error::Limit { what: what.into(), value: max + 1, max });
                     }
                 }

@@ -26,7 +26,7 @@ use heliotile_scene::region_part::RegionPart;
 const WIDER: f64 = 3.0;
 
 /// Most parts that are compared.
-const MOST_PARTS: usize = 8;
+const MAX_PARTS: usize = 8;
 
 /// Differences between the two halos, receiver by receiver.
 #[derive(Default)]
@@ -78,7 +78,7 @@ pub fn measure(
 fn drawn(parts: &[PlannedPart], sample: usize) -> Vec<(&PlannedPart, usize)> {
     let any = usize::from(parts.iter().all(|part| part.objects == 0));
     let objects: usize = parts.iter().map(|part| part.objects + any).sum();
-    let draws = MOST_PARTS.min(sample);
+    let draws = MAX_PARTS.min(sample);
     let mut taken = Vec::new();
     let (mut before, mut draw) = (0, 0);
     for part in parts {

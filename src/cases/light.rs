@@ -42,10 +42,10 @@ pub struct UnderRequest {
     )]
     pub sun: Option<SunPosition>,
     /// Direct normal irradiance of that sun, W/m2.
-    #[field(metavar = "W/M2", default = 0.0, requires("sun"), range = 0.0..=ExportRequest::MOST_W_M2, says = "give a number from 0 to 1000000, W/m2")]
+    #[field(metavar = "W/M2", default = 0.0, requires("sun"), range = 0.0..=ExportRequest::MAX_W_M2, says = "give a number from 0 to 1000000, W/m2")]
     pub dni_w_m2: f64,
     /// Diffuse horizontal irradiance of the sky around it, W/m2.
-    #[field(metavar = "W/M2", default = 0.0, requires("sun"), range = 0.0..=ExportRequest::MOST_W_M2, says = "give a number from 0 to 1000000, W/m2")]
+    #[field(metavar = "W/M2", default = 0.0, requires("sun"), range = 0.0..=ExportRequest::MAX_W_M2, says = "give a number from 0 to 1000000, W/m2")]
     pub dhi_w_m2: f64,
 }
 

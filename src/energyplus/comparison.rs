@@ -28,7 +28,7 @@ const ALL: &str = "all";
 const DAY: usize = 24;
 
 /// Smallest mean that percentages are given for, in the unit of the variable.
-const LEAST: f64 = 1e-6;
+const MIN: f64 = 1e-6;
 
 /// Areas of surfaces by name in small letters, m2.
 pub type SurfaceAreas = BTreeMap<String, f64>;
@@ -123,12 +123,12 @@ impl Row {
     }
 
     fn is_zero(&self) -> bool {
-        self.means.iter().all(|mean| mean.abs() <= LEAST) && self.rms.iter().all(|rms| *rms <= LEAST)
+        self.means.iter().all(|mean| mean.abs() <= MIN) && self.rms.iter().all(|rms| *rms <= MIN)
     }
 
     fn cells(&self) -> Vec<String> {
         let [none, own, ours] = self.means;
-        let percent = |value: f64| match own.abs() > LEAST {
+        let percent = |value: f64| match own.abs() > MIN {
             true => format!("{:+.2}", 100.0 * (value / own - 1.0)),
             false => "-".into(),
         };
@@ -190,7 +190,7 @@ fn by_hour(run: &HourlySeries, variable: &str) -> Vec<(f64, f64)> {
 /// Plots cooling by hour of the day, or the sun that windows transmit if no run has cooling.
 fn day(runs: &[HourlySeries; 3]) -> Block {
     let of_cooling = |run: &HourlySeries| {
-        run.values.iter().any(|((name, _), values)| name == VARIABLES[1].0 && values.iter().any(|value| *value > LEAST))
+        run.values.iter().any(|((name, _), values)| name == VARIABLES[1].0 && values.iter().any(|value| *value > MIN))
     };
     let cooled = runs.iter().any(of_cooling);
     let (variable, _, title) = if cooled { VARIABLES[1] } else { VARIABLES[3] };

@@ -25,7 +25,7 @@ const MANAGER_PROGRAMS: usize = 20;
 
 /// Reflectance that a month without ground reflectance is set to: the actuator multiplies the
 /// ground's light, so there must be some.
-pub const LEAST_GROUND: f64 = 0.01;
+pub const MIN_GROUND: f64 = 0.01;
 
 /// Field number and key of the solar distribution of a `Building`.
 pub const DISTRIBUTION: (usize, &str) = (6, "solar_distribution");
@@ -231,19 +231,19 @@ pub fn switch_distribution(document: &mut Document) -> Result<Option<String>> {
     Ok(Some(format!("solar distribution {stated} became {now}: EnergyPlus's own reflections are off")))
 }
 
-/// Sets months without ground reflectance to [`LEAST_GROUND`]; the programs subtract its light
+/// Sets months without ground reflectance to [`MIN_GROUND`]; the programs subtract its light
 /// again. Returns these months, from 1.
 pub fn brighten_ground(document: &mut Document, notes: &mut Vec<Message>) -> Result<Vec<usize>> {
     let mut bare = Vec::new();
     for ((month, value), key) in ground_of(document).reflectance.into_iter().enumerate().zip(GROUND_MONTHS) {
         if value == 0.0 {
-            document.set("Site:GroundReflectance", month + 1, key, &LEAST_GROUND.to_string())?;
+            document.set("Site:GroundReflectance", month + 1, key, &MIN_GROUND.to_string())?;
             bare.push(month + 1);
         }
     }
     if !bare.is_empty() {
         notes.push(format!(
-            "the ground reflects nothing in {} of 12 months: its reflectance is set to {LEAST_GROUND} there, because injected light is a \
+            "the ground reflects nothing in {} of 12 months: its reflectance is set to {MIN_GROUND} there, because injected light is a \
              multiple of the ground's light; the programs subtract the ground's own light",
             bare.len()
         ).into());

@@ -20,7 +20,7 @@ const LISTED_FROM: usize = 64;
 const LISTED_SHARE: usize = 20;
 
 /// Largest small file, bytes: the plan of an atlas of some millions of parts.
-const MOST_BYTES: u64 = 1 << 30;
+const MAX_BYTES: u64 = 1 << 30;
 
 /// A folder of a file system, or what lies below an address.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -62,9 +62,9 @@ impl Directory {
             return place.is_file().then(|| std::fs::read(&place).map_err(Error::io(&place, "read"))).transpose();
         }
         let Some(file) = stored::find(&place, false, sure)? else { return Ok(None) };
-        if file.length() > MOST_BYTES {
+        if file.length() > MAX_BYTES {
             let what = format!("bytes of {}", shown(&place).display());
-            return Err(Error::Limit { what: what.into(), value: file.length(), max: MOST_BYTES });
+            return Err(Error::Limit { what: what.into(), value: file.length(), max: MAX_BYTES });
         }
         let length = usize::try_from(file.length()).unwrap_or(usize::MAX);
         file.copy_at(0, length).map(Some).map_err(Error::unread(&shown(&place)))

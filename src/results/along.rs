@@ -14,7 +14,7 @@ use heliotile_core::observer::Observer;
 use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::site::patch::Patch;
 use heliotile_scene::Scene;
-use heliotile_scene::covering::cover::MOST_POINTS;
+use heliotile_scene::covering::cover::MAX_POINTS;
 use heliotile_scene::points::lines::{TravelLine, TravelPoint, read_lines};
 use heliotile_scene::site::SceneFiles;
 
@@ -56,7 +56,7 @@ impl AlongRequest {
         }
         let lines = read_lines(&self.lines)?;
         let count: f64 = lines.iter().map(|line| line.length_m() / self.spacing_m).sum();
-        if count > MOST_POINTS {
+        if count > MAX_POINTS {
             let what = format!("{} m would give {:.0} million receivers", self.spacing_m, count / 1e6);
             return Err(Error::argument("spacing", what, "give a wider spacing, or shorter lines"));
         }

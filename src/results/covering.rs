@@ -23,7 +23,7 @@ use heliotile_core::site::patch::Patch;
 use heliotile_core::site::scene_object::ObjectNote;
 use heliotile_core::text::{Message, counted, message, with_list};
 use heliotile_scene::Scene;
-use heliotile_scene::covering::cover::{MOST_POINTS, Piece, cover};
+use heliotile_scene::covering::cover::{MAX_POINTS, Piece, cover};
 use heliotile_scene::covering::surfaces::{Surface, Surfaces};
 use heliotile_scene::load::Soup;
 use heliotile_scene::mesh::bounds;
@@ -223,7 +223,7 @@ pub fn cover_scene(
         }
     }
     let points: f64 = chosen.iter().map(|&i| density.points(&surfaces.list[i])).sum();
-    if points > MOST_POINTS {
+    if points > MAX_POINTS {
         let area_m2 = chosen.iter().map(|&i| surfaces.list[i].area_m2).sum();
         return Err(too_many(density, points, area_m2, |density| {
             chosen.iter().map(|&i| density.points(&surfaces.list[i])).sum()
@@ -294,7 +294,7 @@ pub fn doubts(soup: &Soup, surfaces: &Surfaces) -> Vec<Message> {
 /// Returns the error for too many receivers, with a density that is low enough.
 fn too_many(density: Density, points: f64, area_m2: f64, of: impl Fn(Density) -> f64) -> Error {
     let area = if area_m2 < 1e6 { format!("{area_m2:.0} m2") } else { format!("{:.1} km2", area_m2 / 1e6) };
-    let limit = format!("on {area} of surfaces, and the limit is {:.0} million", MOST_POINTS / 1e6);
+    let limit = format!("on {area} of surfaces, and the limit is {:.0} million", MAX_POINTS / 1e6);
     let unit = Message::from(
         "; if the area looks too large, state the unit of the scene, as in {scale} 0.001 for millimetres",
     );
@@ -302,7 +302,7 @@ fn too_many(density: Density, points: f64, area_m2: f64, of: impl Fn(Density) ->
         Density::Spacing(metres) => metres,
         Density::PerSurface(count) => {
             // Each surface gets at least one receiver.
-            let fewer = (f64::from(count) * MOST_POINTS / points).floor().max(1.0);
+            let fewer = (f64::from(count) * MAX_POINTS / points).floor().max(1.0);
             let what = format!("{count} for each surface are {:.0} million receivers {limit}", points / 1e6);
             let hint = message!("{{per_surface}} {fewer:.0}, or fewer surfaces with {{on}}").and(unit);
             return Error::argument("per_surface", what, hint);
@@ -327,14 +327,14 @@ fn millions(count: f64) -> String {
 /// receivers it gives.
 fn wide_enough(metres: f64, points: f64, of: impl Fn(f64) -> f64) -> Option<(f64, f64)> {
     // Large areas take most of the receivers, so the number falls with the square of the spacing.
-    let about = metres * (points / MOST_POINTS).sqrt();
+    let about = metres * (points / MAX_POINTS).sqrt();
     let step = 10_f64.powf(about.log10().floor() - 1.0);
     let first = (about / step).floor();
     (0..1000).find_map(|i| {
         // Rounding keeps decimal digits such as 0.35 as they are written.
         let wider = ((first + f64::from(i)) * step * 1e6).round() / 1e6;
         let count = of(wider);
-        (count <= MOST_POINTS).then_some((wider, count))
+        (count <= MAX_POINTS).then_some((wider, count))
     })
 }
 

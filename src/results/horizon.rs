@@ -8,7 +8,7 @@ use heliotile_core::text::{Message, message};
 
 /// Least lost share that is reported. Smaller shares come from the rim of the ground and of
 /// textures.
-const LEAST: f64 = 0.01;
+const MIN: f64 = 0.01;
 /// Largest vertical part of a wall's normal (sine of the tilt off the vertical).
 const UPRIGHT: f64 = 0.5;
 
@@ -66,7 +66,7 @@ pub fn black_below_horizon(archive: &Archive) -> Result<Option<Message>> {
         (None, None) => return Ok(None),
     };
     let percent = 100.0 * share;
-    Ok((share >= LEAST).then(|| {
+    Ok((share >= MIN).then(|| {
         message!(
             "{who} see no surface in {percent:.1} % of their hemisphere, below the horizon: nothing reflects there (add terrain, or an \
              [endless_ground] to {{materials}})"

@@ -231,7 +231,7 @@ pub struct ReplayRequest {
 const USUAL_SNOW: f64 = 0.6;
 
 /// Largest number of sun positions in an interval.
-pub const MOST_STEPS: usize = 60;
+pub const MAX_STEPS: usize = 60;
 
 impl QueryRequest {
     /// Returns a query with the usual light: a table of conditions, or conditions in memory.
@@ -283,8 +283,8 @@ impl ReplayRequest {
     /// Refuses choices that exclude each other, before any file is read.
     pub fn check(&self) -> Result<()> {
         self.light.check()?;
-        if self.steps.is_some_and(|steps| !(1..=MOST_STEPS).contains(&steps)) {
-            let what = format!("is not from 1 to {MOST_STEPS}");
+        if self.steps.is_some_and(|steps| !(1..=MAX_STEPS).contains(&steps)) {
+            let what = format!("is not from 1 to {MAX_STEPS}");
             return Err(Error::argument("steps", what, "leave it out to use the value of the archive"));
         }
         if !self.light.is_longwave() && !self.temperatures.is_empty() {

@@ -47,7 +47,7 @@ use heliotile_core::site::scene_object::{ObjectNote, SceneObject};
 use heliotile_core::text::{Message, message, with_list};
 
 /// Most reasons for leaving out faces that get a warning each; more reasons become one list.
-const MOST_REASONS: usize = 2;
+const MAX_REASONS: usize = 2;
 
 /// Triangles of a scene in the order of its files, each with the object it is a part of.
 #[derive(Debug, Default)]
@@ -490,7 +490,7 @@ impl Pile {
         report.warnings.extend(geometry.doubts.iter().map(|doubt| message!("{file}: ").and(doubt)));
         let mut left_out: Vec<String> =
             geometry.left_out.iter().map(|(reason, count)| format!("{count} left out {reason}")).collect();
-        if left_out.len() > MOST_REASONS {
+        if left_out.len() > MAX_REASONS {
             let count: usize = geometry.left_out.values().sum();
             let sentence = format!("{file}: {count} left out for {} reasons", left_out.len());
             report.warnings.push(with_list(sentence, left_out.drain(..)));

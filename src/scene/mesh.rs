@@ -3,7 +3,7 @@
 //! counted.
 
 use glam::DVec3;
-use heliotile_core::site::grid::{Grid, MOST_M};
+use heliotile_core::site::grid::{Grid, MAX_M};
 use heliotile_core::site::morton::lexicographic;
 use rayon::slice::ParallelSliceMut;
 
@@ -246,7 +246,7 @@ pub fn bounds(points: impl Iterator<Item = DVec3>) -> (DVec3, DVec3) {
 /// Checks that a scene is not so wide that keys of cells would repeat in it.
 fn check_reach(grid: Grid, least: DVec3, greatest: DVec3) -> Result<()> {
     let reach_m = (least - grid.origin).abs().max((greatest - grid.origin).abs()).max_element();
-    if reach_m <= MOST_M {
+    if reach_m <= MAX_M {
         return Ok(());
     }
     Err(Error::Limit {
@@ -256,7 +256,7 @@ fn check_reach(grid: Grid, least: DVec3, greatest: DVec3) -> Result<()> {
                 .into(),
         // `as` saturates.
         value: reach_m as u64,
-        max: MOST_M as u64,
+        max: MAX_M as u64,
     })
 }
 

@@ -19,7 +19,7 @@ use heliotile_core::site::material::Material;
 const SAME: f64 = 5e-4;
 
 /// Most orientations of a scene: their numbers have 16 bits.
-const MOST_ORIENTATIONS: usize = 1 << 16;
+const MAX_ORIENTATIONS: usize = 1 << 16;
 
 /// The mirrors of a scene.
 #[derive(Clone, Debug, Default)]
@@ -76,11 +76,11 @@ impl Mirrors {
                 *slot = number as u32 + 1;
             }
         }
-        if sums.len() > MOST_ORIENTATIONS {
+        if sums.len() > MAX_ORIENTATIONS {
             return Err(Error::Limit {
                 what: "the number of orientations of mirrors (make curved mirrors of fewer planes)".into(),
                 value: sums.len() as u64,
-                max: MOST_ORIENTATIONS as u64,
+                max: MAX_ORIENTATIONS as u64,
             });
         }
         for (orientation, (first, sum)) in found.orientations.iter_mut().zip(sums) {

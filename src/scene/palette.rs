@@ -22,8 +22,8 @@ use heliotile_core::text::{Message, counted, message, with_list};
 
 /// Most unused names of a table that are compared with names of the scene, and most names of the
 /// scene: malformed or hostile files hold tens of thousands.
-const MOST_UNUSED: usize = 20;
-const MOST_COMPARED: usize = 5000;
+const MAX_UNUSED: usize = 20;
+const MAX_COMPARED: usize = 5000;
 
 #[derive(Default)]
 pub(crate) struct Palette {
@@ -194,12 +194,12 @@ impl Palette {
                 .iter()
                 .filter(|(name, _)| !table.contains_key(*name))
                 .map(|(name, _)| name.as_str())
-                .take(MOST_COMPARED)
+                .take(MAX_COMPARED)
                 .collect();
             others.sort_unstable();
             let unused = table.keys().filter(|name| !is_used(name)).enumerate();
             let unused = unused.map(|(i, name)| {
-                let near = if i < MOST_UNUSED { nearest(name, &others) } else { None };
+                let near = if i < MAX_UNUSED { nearest(name, &others) } else { None };
                 let near =
                     near.map_or(String::new(), |near| format!(" (did you mean `{}`?)", excerpt(near.as_bytes())));
                 format!("`{}`{near}", excerpt(name.as_bytes()))
@@ -211,13 +211,13 @@ impl Palette {
 }
 
 /// Most names that stand in the warning itself; more become a list.
-const MOST_NAMED: usize = 4;
+const MAX_NAMED: usize = 4;
 
 fn assumed_warning(assumed: Vec<String>) -> Option<Message> {
     let (start, end) = ("no file states how much light", Message::from("state it in a materials.toml ({materials})"));
     match assumed.len() {
         0 => None,
-        1..=MOST_NAMED => Some(message!("{start} these materials reflect; assumed: {}; ", assumed.join(", ")).and(end)),
+        1..=MAX_NAMED => Some(message!("{start} these materials reflect; assumed: {}; ", assumed.join(", ")).and(end)),
         count => {
             let sentence = message!("{start} {count} materials reflect; usual values are assumed; ").and(end);
             Some(with_list(sentence, assumed))
@@ -240,7 +240,7 @@ fn unused_warning(path: &Path, unused: Vec<String>) -> Option<Message> {
     match unused.len() {
         0 => None,
         1 => Some(message!("{of}: the scene does not use material {}", unused.concat())),
-        2..=MOST_NAMED => Some(message!("{of}: the scene does not use materials {}", unused.join(", "))),
+        2..=MAX_NAMED => Some(message!("{of}: the scene does not use materials {}", unused.join(", "))),
         count => Some(with_list(format!("{of}: the scene does not use {count} of its materials"), unused)),
     }
 }

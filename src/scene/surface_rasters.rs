@@ -35,7 +35,7 @@ pub struct SurfaceRasters {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[field(skip)]
     pub step_m: Option<f64>,
-    /// Least area of a building, m2; `None`: [`SurfaceRasters::LEAST_BUILDING_M2`].
+    /// Least area of a building, m2; `None`: [`SurfaceRasters::MIN_BUILDING_M2`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[field(skip)]
     pub least_building_m2: Option<f64>,
@@ -53,7 +53,7 @@ pub struct SurfaceRasters {
 impl SurfaceRasters {
     /// Default least area of a building, m2: some garages and kiosks are as large, cars and stalls
     /// are not.
-    pub const LEAST_BUILDING_M2: f64 = 10.0;
+    pub const MIN_BUILDING_M2: f64 = 10.0;
     /// Default open share below crowns: the lowest quarter, SOLWEIG's trunk zone (Lindberg and
     /// Grimmond 2011).
     pub const TRUNK_SHARE: f64 = 0.25;
@@ -142,11 +142,11 @@ impl SurfaceRasters {
 
     /// Returns the least step for cells of width `cell_m`, metres.
     pub(crate) fn step(&self, cell_m: f64) -> f64 {
-        self.step_m.unwrap_or(LEAST_STEP_M.max(STEEPEST_ROOF * cell_m))
+        self.step_m.unwrap_or(MIN_STEP_M.max(STEEPEST_ROOF * cell_m))
     }
 
     pub(crate) fn least_building(&self) -> f64 {
-        self.least_building_m2.unwrap_or(SurfaceRasters::LEAST_BUILDING_M2)
+        self.least_building_m2.unwrap_or(SurfaceRasters::MIN_BUILDING_M2)
     }
 
     pub(crate) fn trunk(&self) -> f64 {
@@ -159,7 +159,7 @@ impl SurfaceRasters {
 }
 
 /// Least step at cells of up to 1 m, metres: lower steps are kerbs, hedges, cars and noise.
-pub(crate) const LEAST_STEP_M: f64 = 2.0;
+pub(crate) const MIN_STEP_M: f64 = 2.0;
 /// Steepest rise of a pitched roof from cell to cell, metres a metre: 63 degrees.
 const STEEPEST_ROOF: f64 = 2.0;
 

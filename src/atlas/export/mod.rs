@@ -50,10 +50,10 @@ pub struct ExportRequest {
     #[field(metavar = "AZIMUTH,ALTITUDE", hyphen)]
     pub sun: Option<SunPosition>,
     /// Direct normal irradiance of that sun, W/m2.
-    #[field(metavar = "W/M2", default = 0.0, requires("sun"), range = 0.0..=ExportRequest::MOST_W_M2, says = "give a number from 0 to 1000000, W/m2")]
+    #[field(metavar = "W/M2", default = 0.0, requires("sun"), range = 0.0..=ExportRequest::MAX_W_M2, says = "give a number from 0 to 1000000, W/m2")]
     pub dni_w_m2: f64,
     /// Diffuse horizontal irradiance of the sky around it, W/m2.
-    #[field(metavar = "W/M2", default = 0.0, requires("sun"), range = 0.0..=ExportRequest::MOST_W_M2, says = "give a number from 0 to 1000000, W/m2")]
+    #[field(metavar = "W/M2", default = 0.0, requires("sun"), range = 0.0..=ExportRequest::MAX_W_M2, says = "give a number from 0 to 1000000, W/m2")]
     pub dhi_w_m2: f64,
     /// Model of the sky's radiance.
     #[field(default = "perez", requires("sun"), help = SkyModel::described)]
@@ -105,14 +105,14 @@ impl Default for ExportRequest {
 
 impl ExportRequest {
     /// Largest irradiance that is accepted for a sun or a sky, W/m2.
-    pub const MOST_W_M2: f64 = 1e6;
+    pub const MAX_W_M2: f64 = 1e6;
 
     /// Refuses numbers that are out of range and choices that exclude each other, before any file
     /// is read.
     pub fn check(&self) -> Result<()> {
         for (name, irradiance) in [("dni", self.dni_w_m2), ("dhi", self.dhi_w_m2)] {
-            if !(0.0..=Self::MOST_W_M2).contains(&irradiance) {
-                let hint = format!("give a number from 0 to {}, W/m2", Self::MOST_W_M2);
+            if !(0.0..=Self::MAX_W_M2).contains(&irradiance) {
+                let hint = format!("give a number from 0 to {}, W/m2", Self::MAX_W_M2);
                 return Err(Error::argument(name, format!("is {irradiance}"), hint));
             }
         }

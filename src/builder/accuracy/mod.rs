@@ -37,18 +37,18 @@ use trial::{Bench, ErrorSource, Trial};
 /// times, and shows errors that few receivers of a site have.
 const SHARE: usize = 16;
 const CHECKED_SHARE: usize = 4;
-const LEAST: usize = 20;
-const MOST: usize = 32;
-const LEAST_CHECKED: usize = 64;
-const MOST_CHECKED: usize = 128;
+const MIN: usize = 20;
+const MAX: usize = 32;
+const MIN_CHECKED: usize = 64;
+const MAX_CHECKED: usize = 128;
 
 /// Number of suns and skies of an estimate.
 pub const CONDITIONS: usize = 256;
 
-/// Number of receivers times conditions of the check; [`MOST_CONDITIONS`] limits the conditions.
+/// Number of receivers times conditions of the check; [`MAX_CONDITIONS`] limits the conditions.
 /// With few conditions hardly any of few receivers would have a shadow's edge.
 const CHECKED_PAIRS: usize = 32_768;
-const MOST_CONDITIONS: usize = 1024;
+const MAX_CONDITIONS: usize = 1024;
 
 /// Share of the target from which on a source is tried with finer settings.
 const MATTERS: f64 = 0.35;
@@ -106,10 +106,10 @@ pub fn sample(receivers: &mut ReceiverTiles, count: usize) -> Result<Vec<(u32, R
 pub fn choose(build: &mut Build, wish: &PilotRequest) -> Result<SettingsChoice> {
     let started = Instant::now();
     let count = build.receivers.count();
-    let pilots = (count / SHARE).clamp(LEAST, MOST).min(count.div_ceil(2));
-    let checked = (count / CHECKED_SHARE).clamp(LEAST_CHECKED, MOST_CHECKED).min(count - pilots);
+    let pilots = (count / SHARE).clamp(MIN, MAX).min(count.div_ceil(2));
+    let checked = (count / CHECKED_SHARE).clamp(MIN_CHECKED, MAX_CHECKED).min(count - pilots);
     // All receivers of a small site are checked, including the pilot.
-    let whole = count <= LEAST_CHECKED;
+    let whole = count <= MIN_CHECKED;
     let sample = sample(build.receivers, pilots + checked)?;
     let is_pilot = |i: usize| (i + 1) * pilots / sample.len() > i * pilots / sample.len();
     let (mut piloted, mut checked) = (Vec::new(), Vec::new());
@@ -121,7 +121,7 @@ pub fn choose(build: &mut Build, wish: &PilotRequest) -> Result<SettingsChoice> 
             checked.push((*tile, receiver.clone()));
         }
     }
-    let many = (CHECKED_PAIRS / checked.len().max(1)).clamp(CONDITIONS, MOST_CONDITIONS);
+    let many = (CHECKED_PAIRS / checked.len().max(1)).clamp(CONDITIONS, MAX_CONDITIONS);
     // Powers of two, because altitudes of the suns are then even.
     let conditions = [CONDITIONS, 1 << many.ilog2()].map(|count| wish.suns.some(count));
     let parts: [Vec<Receiver>; 2] = [piloted, checked.iter().map(|s| s.1.clone()).collect()];

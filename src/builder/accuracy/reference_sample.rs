@@ -25,11 +25,11 @@ use heliotile_core::weather::conditions::in_axes;
 const PAIRS: usize = 2048;
 const OF_RECEIVER: (usize, usize) = (16, 64);
 
-/// Number of paths of a receiver for a target of 1 %; [`LEAST_PATHS`] and [`MOST_PATHS`] limit it.
+/// Number of paths of a receiver for a target of 1 %; [`MIN_PATHS`] and [`MAX_PATHS`] limit it.
 /// The noise of the path tracer is subtracted, but must not be many times the error in question.
 const PATHS: f64 = 4096.0;
-const LEAST_PATHS: f64 = 2048.0;
-const MOST_PATHS: f64 = 32768.0;
+const MIN_PATHS: f64 = 2048.0;
+const MAX_PATHS: f64 = 32768.0;
 
 /// Seed of points of the sun.
 const SUN_SEED: u64 = 0x73_756e;
@@ -88,7 +88,7 @@ impl<'a> ReferenceSample<'a> {
             conditions.par_iter().map(|c| ReferenceSky::new(c, SkyModel::default())).collect::<Result<_>>()?;
         let (mean, open) = (ReferenceSky::mean(&skies), ReferenceSky::open());
         let tracer = PathTracer::new(bench.scene, left_out);
-        let paths = (PATHS / (target_percent * target_percent).max(1e-9)).clamp(LEAST_PATHS, MOST_PATHS) as usize;
+        let paths = (PATHS / (target_percent * target_percent).max(1e-9)).clamp(MIN_PATHS, MAX_PATHS) as usize;
         let each = (PAIRS / bench.receivers.len().max(1)).clamp(OF_RECEIVER.0, OF_RECEIVER.1);
         let reference = |(receiver, of): (usize, &Receiver)| {
             // Each receiver gets conditions of its own, so that many take part.

@@ -17,7 +17,7 @@ use heliotile_core::archive::negligible::Negligible;
 use heliotile_core::error::Result;
 use heliotile_core::light::fresnel::specular;
 use heliotile_core::light::reflector::Reflector;
-use heliotile_core::site::chain::MOST_MIRRORS;
+use heliotile_core::site::chain::MAX_MIRRORS;
 
 /// Irradiance of the sun at normal incidence for which bounds are stated, W/m2.
 pub const SUN_W_M2: f64 = 1000.0;
@@ -153,7 +153,7 @@ impl Decision<'_> {
         // A mirror can send the sun where it shines already; several can do so at once.
         let mirrored = largest(|r| if r.panes > 0 { specular(r, 0.0) } else { r.specular });
         let once = mirrored * mirrors as f64;
-        let suns = (1..=MOST_MIRRORS as i32).map(|mirrors| once.powi(mirrors)).sum::<f64>();
+        let suns = (1..=MAX_MIRRORS as i32).map(|mirrors| once.powi(mirrors)).sum::<f64>();
         let light = SUN_W_M2 * (1.0 + suns) + SKY_W_M2;
         // Receivers outside the sample may see nothing but the brightest material.
         let leaves = largest(|r| r.transmittance.map_or(0.0, |_| r.diffuse));

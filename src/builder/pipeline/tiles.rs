@@ -88,7 +88,7 @@ pub(super) enum Misplaced {
 }
 
 /// Number of receivers that the first line of a warning names.
-const MOST_NAMES: usize = 3;
+const MAX_NAMES: usize = 3;
 
 /// Returns one warning for each kind of misplacement with the names of the receivers. More than a
 /// few names follow as a list.
@@ -102,7 +102,7 @@ pub(super) fn warnings(misplaced: &[Misplaced]) -> Vec<Message> {
         }
     }
     let say = |list: Vec<String>, one: &str, many: &str| {
-        let shown = list.len().min(MOST_NAMES);
+        let shown = list.len().min(MAX_NAMES);
         let (count, what) = (counted(list.len() as u64, "receiver"), if list.len() == 1 { one } else { many });
         let sentence = format!("{count} {what}: {}", list[..shown].join(", "));
         (shown > 0).then(|| match list.len() - shown {

@@ -36,7 +36,7 @@ const PATHS: usize = 1024;
 /// Least sum that percentages refer to, as a share of the mean of all receivers. Groups below it,
 /// such as receivers inside solids, get hardly any light, so percentages of their own sum would say
 /// nothing.
-const LEAST: f64 = 0.01;
+const MIN: f64 = 0.01;
 
 /// Standard errors between the estimate and its bound: exceeded once in 700 times.
 const SURE: f64 = 3.0;
@@ -149,7 +149,7 @@ impl YearLosses {
         let (count, of_each) = (asked.len(), receivers as f64 / asked.len().max(1) as f64);
         let group = |some: &[Asked], least: f64| GroupLosses::of(some, some.len() as f64 * of_each, least);
         let mut groups = vec![group(&asked, 0.0)];
-        let least = LEAST * groups[0].total_kwh_m2;
+        let least = MIN * groups[0].total_kwh_m2;
         let parts = by_sky_view(&asked.iter().map(|asked| asked.sky_view).collect::<Vec<_>>());
         if parts.len() > 1 {
             let of = |part: &Vec<usize>| part.iter().map(|&i| asked[i]).collect::<Vec<Asked>>();

@@ -182,7 +182,7 @@ impl Build<'_> {
 
 /// Smallest share that may be left out, percent: below, noise of the reference path tracer exceeds
 /// the light.
-const LEAST_NEGLIGIBLE: f64 = 0.001;
+const MIN_NEGLIGIBLE: f64 = 0.001;
 
 fn parse_error(text: &str) -> std::result::Result<f64, String> {
     let (least, most) = (AccuracyRequest::ERRORS.start(), AccuracyRequest::ERRORS.end());
@@ -193,8 +193,8 @@ fn parse_error(text: &str) -> std::result::Result<f64, String> {
 /// Reads the share of light that may be left out, percent: `0.5%`.
 pub fn parse_negligible(text: &str) -> std::result::Result<f64, String> {
     let most = AccuracyRequest::ERRORS.end();
-    parse_percent(text, LEAST_NEGLIGIBLE..=*most).ok_or_else(|| {
-        format!("`{text}` is not a share that can be left out: give {LEAST_NEGLIGIBLE} to {most} percent, as in 0.5%")
+    parse_percent(text, MIN_NEGLIGIBLE..=*most).ok_or_else(|| {
+        format!("`{text}` is not a share that can be left out: give {MIN_NEGLIGIBLE} to {most} percent, as in 0.5%")
     })
 }
 

@@ -11,7 +11,7 @@ use crate::settings::Effect;
 use heliotile_core::archive::accuracy::HoursError;
 use heliotile_core::archive::format;
 use heliotile_core::archive::settings::Ladder;
-use heliotile_core::site::chain::MOST_MIRRORS;
+use heliotile_core::site::chain::MAX_MIRRORS;
 use heliotile_core::text::counted;
 use heliotile_scene::Scene;
 
@@ -179,7 +179,7 @@ pub fn summary(report: &BuildReport, scene: &Scene, output: &Path) -> String {
         lost => {
             let [receivers, cells] = lost.map(|share| share * 100.0);
             format!(
-                "  light is not followed beyond {MOST_MIRRORS} mirrors: at most {receivers:.1} % of the view of a receiver, {cells:.1} \
+                "  light is not followed beyond {MAX_MIRRORS} mirrors: at most {receivers:.1} % of the view of a receiver, {cells:.1} \
                  % of the view of a cell\n"
             )
         }

@@ -19,10 +19,10 @@ use heliotile_core::replay::components::Component;
 const PAIRS: usize = 1024;
 const OF_RECEIVER: (usize, usize) = (8, 32);
 
-/// Smallest share of all hours for which a kind is stated; [`LEAST_RECEIVERS`] is the smallest
+/// Smallest share of all hours for which a kind is stated; [`MIN_RECEIVERS`] is the smallest
 /// number of receivers that have such hours.
-const LEAST_SHARE: f64 = 0.01;
-const LEAST_RECEIVERS: usize = 4;
+const MIN_SHARE: f64 = 0.01;
+const MIN_RECEIVERS: usize = 4;
 
 /// Share of the total below which light of the sun, direct or reflected, does not count.
 const NO_SUN: f64 = 0.01;
@@ -153,7 +153,7 @@ impl HourSample {
         let off = |pair: &Pair| {
             (reflected(&pair.result) - pair.reference.by_effect[matt], pair.reference.by_effect_error[matt])
         };
-        (share >= LEAST_SHARE && receivers >= LEAST_RECEIVERS).then(|| HoursFound {
+        (share >= MIN_SHARE && receivers >= MIN_RECEIVERS).then(|| HoursFound {
             kind,
             share,
             receivers,

@@ -11,7 +11,7 @@ use crate::trace::Ray;
 use crate::trace::kernel::rays::Hit;
 use heliotile_core::hemisphere::mix;
 use heliotile_core::light::fresnel::specular;
-use heliotile_core::site::chain::{MOST_MIRRORS, MirrorPlane};
+use heliotile_core::site::chain::{MAX_MIRRORS, MirrorPlane};
 
 /// Query of a place for a point of the sun.
 #[derive(Clone, Copy, Debug)]
@@ -82,7 +82,7 @@ impl PathTracer<'_> {
 
     fn add_mirrored(&self, looks: &[SunLook], orientations: &[MirrorPlane], sums: &mut Sums) {
         let mut ways: Vec<Way> = looks.iter().flat_map(|look| ways(look, orientations)).collect();
-        for passed in 0..=MOST_MIRRORS {
+        for passed in 0..=MAX_MIRRORS {
             let (on, out): (Vec<Way>, Vec<Way>) = ways.into_iter().partition(|way| way.chain.len() > passed);
             let rays = |ways: &[Way]| -> Vec<Ray> { ways.iter().map(|way| ray(way.from, way.direction)).collect() };
             for (place, through) in
@@ -116,7 +116,7 @@ impl PathTracer<'_> {
 fn ways<'l>(look: &'l SunLook, orientations: &[MirrorPlane]) -> Vec<Way<'l>> {
     let count = orientations.len();
     let of_length = |length: usize| count.saturating_pow(length as u32);
-    let all = (1..=MOST_MIRRORS).map(of_length).fold(0, usize::saturating_add) <= ALL_CHAINS;
+    let all = (1..=MAX_MIRRORS).map(of_length).fold(0, usize::saturating_add) <= ALL_CHAINS;
     let way = move |(chain, weight): (Vec<u16>, f64)| {
         let reflect = |d: DVec3, number: &u16| orientations[usize::from(*number)].reflect(d);
         let direction = chain.iter().rev().fold(look.sun, reflect);
@@ -124,7 +124,7 @@ fn ways<'l>(look: &'l SunLook, orientations: &[MirrorPlane]) -> Vec<Way<'l>> {
         let carried = look.carried.times(cos * weight);
         (cos > 0.0).then_some(Way { look, chain, from: look.place.from, direction, carried })
     };
-    let chains = (1..=MOST_MIRRORS).flat_map(move |length| {
+    let chains = (1..=MAX_MIRRORS).flat_map(move |length| {
         let there = of_length(length);
         let drawn = if all { there } else { there.min(DRAWN) };
         let chain = move |i: usize| {

@@ -32,9 +32,9 @@ const LIKELIEST: f64 = 0.95;
 const SKY_RAYS: usize = 16;
 
 /// Paths per point of the sun's disc if only the sun is evaluated, under many skies;
-/// [`LEAST_POINTS`] is the smallest number of points.
+/// [`MIN_POINTS`] is the smallest number of points.
 const PATHS_OF_POINT: usize = 16;
-const LEAST_POINTS: usize = 256;
+const MIN_POINTS: usize = 256;
 
 /// Reference path tracer of a scene.
 pub struct PathTracer<'a> {
@@ -152,7 +152,7 @@ impl<'a> PathTracer<'a> {
         paths: usize,
         seed: u64,
     ) -> Vec<ReferenceLight> {
-        let each = paths.div_ceil(PATHS_OF_POINT).max(LEAST_POINTS).div_ceil(BATCHES);
+        let each = paths.div_ceil(PATHS_OF_POINT).max(MIN_POINTS).div_ceil(BATCHES);
         let mut sums: Sums = vec![[Batch::default(); BATCHES]; skies.len()];
         let here = self.receiver_place(position, normal);
         for batch in 0..BATCHES {

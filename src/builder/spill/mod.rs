@@ -40,12 +40,12 @@ pub fn check_memory(budget: Bytes) -> Result<Bytes, String> {
 }
 
 /// Least memory, bytes: less leaves no room for a tile.
-const LEAST_MEMORY: u64 = 64 << 20;
+const MIN_MEMORY: u64 = 64 << 20;
 
 /// Reads the memory to work in, at most that of this machine.
 pub fn parse_memory(text: &str) -> Result<MemoryBudget, String> {
     match text.parse()? {
-        Bytes(bytes) if bytes < LEAST_MEMORY => Err("give at least 64MiB".into()),
+        Bytes(bytes) if bytes < MIN_MEMORY => Err("give at least 64MiB".into()),
         bytes => check_memory(bytes).map(MemoryBudget::from),
     }
 }

@@ -242,7 +242,7 @@ impl SeenLeaves {
     pub fn gathered(self, most: usize, seed: u64) -> Vec<SeenLeaf> {
         let weight = |before: &[(u16, u8)], share: f64| {
             let crossed: i32 = before.iter().map(|(_, count)| i32::from(*count)).sum();
-            share * BEHIND_ONE.powi(crossed.min(MOST_BEHIND))
+            share * BEHIND_ONE.powi(crossed.min(MAX_BEHIND))
         };
         let all: f64 = self.0.iter().map(|((_, before), share)| weight(before, *share)).sum();
         let step = if self.0.len() > most { all / most as f64 } else { 0.0 };
@@ -263,10 +263,10 @@ impl SeenLeaves {
     }
 }
 
-/// Factor by which each leaf in front is likely to dim the light of a leaf. At most [`MOST_BEHIND`]
+/// Factor by which each leaf in front is likely to dim the light of a leaf. At most [`MAX_BEHIND`]
 /// leaves count, because a replay with fewer leaves must not lose the light of all leaves behind.
 const BEHIND_ONE: f64 = 0.5;
-const MOST_BEHIND: i32 = 4;
+const MAX_BEHIND: i32 = 4;
 
 impl Viewpoint {
     /// Returns a jittered ray through each of some texels of an n x n world-frame texture. A ray

@@ -114,20 +114,20 @@ fn find_lit(triangle: u32, side: FaceSide, mesh: &Mesh, tracer: &Tracer, watch: 
     if follow(starts(FIRST_PATHS).collect(), &from, mesh, tracer, watch) == 0 {
         return false;
     }
-    (from.most_met, from.until) = (MOST_MET, Until::End);
+    (from.most_met, from.until) = (MAX_MET, Until::End);
     let reached = follow(starts(LIT_PATHS).collect(), &from, mesh, tracer, watch);
     reached as f64 >= LIT * (origins.len() * LIT_PATHS) as f64
 }
 
-/// Number of paths from a receiver; [`MOST_MET`] is the largest number of surfaces that each hits.
+/// Number of paths from a receiver; [`MAX_MET`] is the largest number of surfaces that each hits.
 const PATHS: usize = 128;
-const MOST_MET: usize = 8;
+const MAX_MET: usize = 8;
 
 /// Returns true if light can reach a place: one of [`PATHS`] paths that turn at random at every
 /// surface reaches the sky. Through a gap of a hundredth of the view, one does in more than 99 of
 /// 100 cases.
 pub fn is_reached(origin: [f32; 3], normal: DVec3, seed: u64, mesh: &Mesh, tracer: &Tracer) -> bool {
-    let from = Start { normal, seed, most_met: MOST_MET, until: Until::Sky };
+    let from = Start { normal, seed, most_met: MAX_MET, until: Until::Sky };
     follow((0..PATHS).map(|path| (origin, path)).collect(), &from, mesh, tracer, &mut |_, _| {}) > 0
 }
 

@@ -17,7 +17,7 @@ use crate::trace::surroundings::cell_of;
 use heliotile_core::hemisphere::{Frame, HEMISPHERE_SR, jitter, mix, texel_direction, texel_of, texels_in_blocks};
 use heliotile_core::layers::bits::BitSquare;
 use heliotile_core::site::cells::CellKey;
-use heliotile_core::site::chain::{Chain, MOST_MIRRORS, MirrorPlane, MirrorStep};
+use heliotile_core::site::chain::{Chain, MAX_MIRRORS, MirrorPlane, MirrorStep};
 use heliotile_scene::mesh::Mesh;
 use heliotile_scene::mirrors::Mirrors;
 
@@ -128,14 +128,14 @@ impl<'a> Reflections<'a> {
         .collect()
     }
 
-    /// Follows rays that hit a mirror, past [`MOST_MIRRORS`] mirrors at most. Returns the surfaces
+    /// Follows rays that hit a mirror, past [`MAX_MIRRORS`] mirrors at most. Returns the surfaces
     /// that each hits and its end; `rays` counts the rays cast.
     pub fn follow(&self, starts: &[MirrorRay], rays: &mut u64) -> Vec<(Vec<Met>, End)> {
         let mut done: Vec<(Vec<Met>, End)> = starts.iter().map(|_| (Vec::new(), End::Dark)).collect();
         let start =
             |at: MirrorRay| Way { at, chain: Chain::default(), steps: Vec::new(), length_m: f64::from(at.hit.t) };
         let mut ways: Vec<(usize, Way)> = starts.iter().map(|&at| start(at)).enumerate().collect();
-        for _ in 0..=MOST_MIRRORS {
+        for _ in 0..=MAX_MIRRORS {
             let mut next: Vec<(usize, Way)> = Vec::with_capacity(ways.len());
             for (i, mut way) in ways {
                 let Some(number) = self.orientation(way.at.hit) else { continue };
@@ -203,7 +203,7 @@ impl<'a> Reflections<'a> {
             *rays += ways.len() as u64;
             ways.iter().map(|(_, at)| ray(at.from, at.direction)).collect()
         };
-        for passed in 0..=MOST_MIRRORS {
+        for passed in 0..=MAX_MIRRORS {
             // Rays of many short chains go together, or packets would be nearly empty.
             let next = |i: usize| chains[looks[i].chain].0.numbers().nth(passed);
             let (on, out): (Vec<_>, Vec<_>) = ways.into_iter().partition(|(i, _)| next(*i).is_some());

@@ -128,7 +128,7 @@ impl Directions {
 }
 
 /// Smallest number of rays of a point, enough to know if it sees sky.
-const LEAST_RAYS: usize = 16;
+const MIN_RAYS: usize = 16;
 
 /// Weighting of the points of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -150,7 +150,7 @@ const NEARBY: f64 = 0.5;
 const NEARBY_RAYS: usize = 4;
 
 /// Smallest weight of a point, so that a point that sees sky is never lost.
-const LEAST_WORTH: f64 = 1.0 / 64.0;
+const MIN_WORTH: f64 = 1.0 / 64.0;
 
 /// Returns `[point]`: its weight, 1 for the most open one, and the number of rays cast to find out.
 fn worth_of(key: CellKey, starts: &Starts, weighting: PointWeights, tracer: &Tracer) -> (Vec<f64>, u64) {
@@ -168,7 +168,7 @@ fn worth_of(key: CellKey, starts: &Starts, weighting: PointWeights, tracer: &Tra
     let open = |blocked: &[bool]| blocked.iter().filter(|&&blocked| !blocked).count();
     let open: Vec<usize> = blocked.chunks(NEARBY_RAYS).map(open).collect();
     let most = open.iter().copied().max().unwrap_or(0).max(1) as f64;
-    (open.into_iter().map(|open| (open as f64 / most).max(LEAST_WORTH)).collect(), looks.len() as u64)
+    (open.into_iter().map(|open| (open as f64 / most).max(MIN_WORTH)).collect(), looks.len() as u64)
 }
 
 /// Traced sky bits of a cell.
@@ -251,7 +251,7 @@ fn mean_normal(key: CellKey, normals: impl Iterator<Item = DVec3>) -> DVec3 {
 /// Returns the points of a cell for an n x n texture.
 fn points_of(key: CellKey, n: usize, surfaces: CellSurfaces) -> Vec<SurfacePoint> {
     // With fewer rays per point, many points that see little sky would be checked for being hidden.
-    sample(key, (n * n / LEAST_RAYS).clamp(1, POINTS), surfaces)
+    sample(key, (n * n / MIN_RAYS).clamp(1, POINTS), surfaces)
 }
 
 /// Returns what [`trace_probe`] gives for a cell without hidden points whose sky bits are known,

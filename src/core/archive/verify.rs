@@ -210,7 +210,7 @@ fn check(archive: &Archive, entry: &Entry, site: &Site) -> Result<()> {
         BOUNCE => check_cells(&block, &site.bounces, site),
         SKY if site.keys.is_some() => {
             let (base, fine) = (settings.sky_base as usize, settings.sky_fine as usize);
-            shape(fine <= MOST_FINE && SkyTexture::unpack(block.bytes(), rows, base, fine).is_some())
+            shape(fine <= MAX_FINE && SkyTexture::unpack(block.bytes(), rows, base, fine).is_some())
         }
         RESPONSE if site.keys.is_some() => {
             shape(response::unpack(block.bytes(), rows, settings.probe as usize).is_some())
@@ -397,8 +397,7 @@ fn check_mirrors(archive: &Archive, block: &Block, site: &Site) -> Result<()> {
             let doubled = fine.checked_div(base).unwrap_or(0);
             let whole = found.windows.iter().all(|window| {
                 let side = usize::from(window.side);
-                fine <= MOST_FINE
-                    && SkyTexture::unpack(&window.texture, 1, side, side.saturating_mul(doubled)).is_some()
+                fine <= MAX_FINE && SkyTexture::unpack(&window.texture, 1, side, side.saturating_mul(doubled)).is_some()
             });
             if !whole {
                 return Err(bad());
@@ -427,7 +426,7 @@ fn check_mirrors(archive: &Archive, block: &Block, site: &Site) -> Result<()> {
 
 /// Largest side of a refined sky, as `schema/layers.md` states it. With a larger one a few bytes
 /// could stand for gigabytes.
-const MOST_FINE: usize = 4096;
+const MAX_FINE: usize = 4096;
 
 /// Checks that all keys are among the known ones.
 fn check_references(block: &Block, keys: &[CellKey], known: &[CellKey]) -> Result<()> {

@@ -7,7 +7,7 @@
 //! a root: the point of the jump is returned.
 
 /// Largest number of steps; bisection of doubles needs fewer.
-const MOST_STEPS: usize = 200;
+const MAX_STEPS: usize = 200;
 
 /// A point of the function's graph.
 #[derive(Clone, Copy)]
@@ -39,7 +39,7 @@ pub fn bracketed_root(function: impl Fn(f64) -> f64, bracket: &Bracket) -> Optio
         return None;
     }
     let mut share = 0.5;
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MAX_STEPS {
         let next = point(newest.x + share * (opposite.x - newest.x))?;
         let former = if (next.y > 0.0) == (newest.y > 0.0) { newest } else { std::mem::replace(&mut opposite, newest) };
         newest = next;

@@ -16,7 +16,7 @@ use crate::layers::sky_bitmap::SkyBitmap;
 const EXPONENT: f64 = 0.308;
 
 /// Cosine of the zenith angle below which the sky is taken as at that angle.
-const LEAST_COSINE: f64 = 0.01;
+const MIN_COSINE: f64 = 0.01;
 
 /// Texels of a sky, with the deficit of a clear sky beside a black one in their directions.
 pub struct ClearSky {
@@ -33,7 +33,7 @@ impl ClearSky {
         let of_texel = |texel: usize| {
             let place = DVec2::new((texel % side) as f64 + 0.5, (texel / side) as f64 + 0.5) / side as f64;
             let direction = direction_of(place);
-            let lacks = (-EXPONENT / direction.z.max(LEAST_COSINE)).exp();
+            let lacks = (-EXPONENT / direction.z.max(MIN_COSINE)).exp();
             direction * lacks * texel_sr
         };
         let mut lacking: Vec<DVec3> = (0..side * side).map(of_texel).collect();

@@ -39,18 +39,18 @@ const BLOOD_SET_KG_M2_H: f64 = 6.3;
 /// Increase of the blood flow per degree of a warm core, kg/m2 h K.
 const BLOOD_GAIN_KG_M2_H_K: f64 = 75.0;
 /// Limit of the blood flow, kg/m2 h.
-const MOST_BLOOD_KG_M2_H: f64 = 90.0;
+const MAX_BLOOD_KG_M2_H: f64 = 90.0;
 /// Sweat per degree of a warm body, g/m2 h K.
 const SWEAT_GAIN_G_M2_H_K: f64 = 304.94;
 /// Limit of the sweat, g/m2 h.
-const MOST_SWEAT_G_M2_H: f64 = 500.0;
+const MAX_SWEAT_G_M2_H: f64 = 500.0;
 
 /// Range of clothing temperatures in which the balance is looked for, degrees Celsius.
 const CLOTHING_BRACKET: Bracket = Bracket { low: -100.0, high: 150.0, tolerance: 1e-9 };
 /// Lower limit of the skin temperature, degrees Celsius. It is met during the search only.
-const LEAST_SKIN_C: f64 = -90.0;
+const MIN_SKIN_C: f64 = -90.0;
 /// Upper limit of the skin temperature, degrees Celsius. It is met during the search only.
-const MOST_SKIN_C: f64 = 130.0;
+const MAX_SKIN_C: f64 = 130.0;
 
 /// Climate at a body.
 #[derive(Clone, Copy, Debug)]
@@ -145,7 +145,7 @@ impl HeatBalance {
     /// clothing and core are 0 by construction.
     fn nodes_at(&self, clothing_c: f64) -> Nodes {
         let clothed = self.clothing.outer_share * self.exchange_w_m2(clothing_c, CLOTHING_EMISSIVITY);
-        let skin_c = (clothing_c - clothed / self.clothing.conductance_w_m2_k).clamp(LEAST_SKIN_C, MOST_SKIN_C);
+        let skin_c = (clothing_c - clothed / self.clothing.conductance_w_m2_k).clamp(MIN_SKIN_C, MAX_SKIN_C);
         Nodes { core_c: self.core_c(skin_c), skin_c, clothing_c }
     }
 
@@ -166,10 +166,10 @@ impl HeatBalance {
         let constant = at_set * below - self.core_w_m2;
         let root = (linear * linear - 4.0 * per_degree * constant).max(0.0).sqrt();
         let excess_k = (root - linear) / (2.0 * per_degree);
-        if blood_kg_m2_h(excess_k, narrowing) < MOST_BLOOD_KG_M2_H {
+        if blood_kg_m2_h(excess_k, narrowing) < MAX_BLOOD_KG_M2_H {
             return CORE_SET_C + excess_k;
         }
-        skin_c + self.core_w_m2 / (MOST_BLOOD_KG_M2_H * BLOOD_W_H_KG_K + TISSUE_W_M2_K)
+        skin_c + self.core_w_m2 / (MAX_BLOOD_KG_M2_H * BLOOD_W_H_KG_K + TISSUE_W_M2_K)
     }
 
     /// Returns the heat that diffusion and sweat take from the skin, W/m2.
@@ -205,7 +205,7 @@ fn narrowing(skin_c: f64) -> f64 {
 /// Returns the blood flow from core to skin, kg/m2 h.
 fn blood_kg_m2_h(core_excess_k: f64, narrowing: f64) -> f64 {
     let flow = (BLOOD_SET_KG_M2_H + BLOOD_GAIN_KG_M2_H_K * core_excess_k.max(0.0)) * narrowing;
-    flow.min(MOST_BLOOD_KG_M2_H)
+    flow.min(MAX_BLOOD_KG_M2_H)
 }
 
 /// Returns the heat that would evaporate the sweat, W/m2.
@@ -214,6 +214,6 @@ fn sweat_w_m2(nodes: &Nodes) -> f64 {
     let skin_share = 0.0417737 + 0.7451833 / (blood + 0.585417);
     let body_c = skin_share * nodes.skin_c + (1.0 - skin_share) * nodes.core_c;
     let set_c = 0.1 * SKIN_SET_C + 0.9 * CORE_SET_C;
-    let sweat_g_m2_h = (SWEAT_GAIN_G_M2_H_K * (body_c - set_c).max(0.0)).min(MOST_SWEAT_G_M2_H);
+    let sweat_g_m2_h = (SWEAT_GAIN_G_M2_H_K * (body_c - set_c).max(0.0)).min(MAX_SWEAT_G_M2_H);
     LATENT_HEAT_J_KG / 1000.0 * sweat_g_m2_h / 3600.0
 }

@@ -34,15 +34,15 @@ pub const USUAL_OBSTRUCTION_EMISSIVITY: f64 = 0.90;
 const ENOUGH_W_M2: f64 = 0.05;
 
 /// Largest number of steps of Newton's method; three are usual.
-const MOST_STEPS: usize = 20;
+const MAX_STEPS: usize = 20;
 
 /// Least share of the radiation between surfaces that is lost. Without it heat would have no way
 /// out.
-const LEAST_LOSS: f64 = 1e-3;
+const MIN_LOSS: f64 = 1e-3;
 
 /// Least heat transfer coefficient, W/m2K. It includes the radiation of surfaces, 4 sigma T^3,
 /// which is 7 at 40 degrees.
-pub const LEAST_FILM_W_M2_K: f64 = 10.0;
+pub const MIN_FILM_W_M2_K: f64 = 10.0;
 
 /// A value for each of the six planes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -213,7 +213,7 @@ impl HeatAround {
         let balances = self.balances(views);
         let mut sent = balances.at_first();
         let mut planes = balances.on_planes(views, &sent).map(|plane| plane.w_m2);
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MAX_STEPS {
             sent = balances.sent_back(&sent, shortwave, &planes);
             let next = balances.on_planes(views, &sent).solved_about(&planes);
             let mut change = 0.0;
@@ -413,7 +413,7 @@ impl SixPlanes<OnPlane> {
         let up = &self.up;
         // Share of a change of the upper plane that returns to it by ground and obstructions.
         let kept = up.by_ground + up.by_obstruction * by_up;
-        let up_changes = (up.w_m2 - planes.up + up.by_obstruction * constant) / (1.0 - kept).max(LEAST_LOSS);
+        let up_changes = (up.w_m2 - planes.up + up.by_obstruction * constant) / (1.0 - kept).max(MIN_LOSS);
         let sides_change = constant + by_up * up_changes;
         let mut solved = SixPlanes {
             up: planes.up + up_changes,
@@ -431,7 +431,7 @@ impl OnPlane {
     /// Returns the change of a side at `at` together with the opposite side. The light on each
     /// falls on the obstructions that the other one sees.
     fn facing(&self, at: f64, opposite: &OnPlane, opposite_at: f64) -> Change {
-        let gain = 1.0 / (1.0 - self.by_obstruction * opposite.by_obstruction).max(LEAST_LOSS);
+        let gain = 1.0 / (1.0 - self.by_obstruction * opposite.by_obstruction).max(MIN_LOSS);
         let solve = |own: f64, other: f64| (own + self.by_obstruction * other) * gain;
         Change {
             constant: solve(self.w_m2 - at, opposite.w_m2 - opposite_at),

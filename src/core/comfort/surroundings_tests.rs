@@ -147,7 +147,7 @@ fn exitances_of_a_court_agree_with_its_irradiance() {
         let lost = convection * warm.warmer_k + 0.9 * (black_w_m2 - air_w_m2);
         assert!((lost - gained_w_m2).abs() < 1e-6, "{gained_w_m2}: {warm:?}");
     }
-    let calm = HeatAround { film_w_m2_k: LEAST_FILM_W_M2_K, ..court }.longwave(&views, &light);
+    let calm = HeatAround { film_w_m2_k: MIN_FILM_W_M2_K, ..court }.longwave(&views, &light);
     assert!(calm.up > found.up && calm.up < black_body_w_m2(120.0), "{calm:?}");
 }
 
@@ -180,7 +180,7 @@ fn the_solution_equals_400_passes_between_surfaces() {
         };
         let mut class = || ClassSurfaces { heat: SurfaceHeat::SolAir(random(0.0, 1.0)), emissivity: random(0.3, 1.0) };
         let (ground, obstruction) = (class(), class());
-        let (air_c, film_w_m2_k) = (random(-20.0, 40.0), random(LEAST_FILM_W_M2_K, 30.0));
+        let (air_c, film_w_m2_k) = (random(-20.0, 40.0), random(MIN_FILM_W_M2_K, 30.0));
         let sky_w_m2 = black_body_w_m2(air_c) * random(0.6, 1.0);
         let around = HeatAround { sky_w_m2, air_c, film_w_m2_k, ground, obstruction };
         let found = around.longwave(&views, &light);

@@ -16,16 +16,16 @@ pub const CALM_M_S: f64 = 0.5;
 /// Range of the air temperature, degrees Celsius.
 const AIR_RANGE_C: RangeInclusive<f64> = -50.0..=50.0;
 /// Largest mean radiant temperature less the air temperature, K.
-pub const MOST_RADIANT_EXCESS_K: f64 = 70.0;
+pub const MAX_RADIANT_EXCESS_K: f64 = 70.0;
 
 /// Range of the mean radiant temperature less the air temperature, K: -30 to 70, and a little more,
 /// because a difference of temperatures is not exact.
-const RADIANT_EXCESS_RANGE_K: RangeInclusive<f64> = -30.000_001..=MOST_RADIANT_EXCESS_K + 1e-6;
+const RADIANT_EXCESS_RANGE_K: RangeInclusive<f64> = -30.000_001..=MAX_RADIANT_EXCESS_K + 1e-6;
 /// Range of the wind at 10 m, m/s.
 const WIND_RANGE_M_S: RangeInclusive<f64> = CALM_M_S..=17.0;
 /// Largest vapour pressure, hPa: a dew point of 32.9 degrees Celsius. UTCI_a002.f90 refuses more,
 /// because the polynomial was not fitted there.
-const MOST_VAPOUR_HPA: f64 = 50.0;
+const MAX_VAPOUR_HPA: f64 = 50.0;
 
 /// Climate that a UTCI is computed for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,7 +63,7 @@ pub fn utci_c(input: &UtciInput) -> Option<f64> {
     let radiant_excess_k = Some(input.mean_radiant_temperature_c - air_temperature_c)
         .filter(|value| RADIANT_EXCESS_RANGE_K.contains(value))?;
     let vapour_hpa = vapour_pressure_hpa(air_temperature_c, input.relative_humidity_percent)
-        .filter(|value| *value <= MOST_VAPOUR_HPA)?;
+        .filter(|value| *value <= MAX_VAPOUR_HPA)?;
     let vapour_pressure_kpa = vapour_hpa / 10.0;
     let input = PolynomialInput { air_temperature_c, wind_10m_m_s, radiant_excess_k, vapour_pressure_kpa };
     Some(air_temperature_c + utci_excess_k(&input))

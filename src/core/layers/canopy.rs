@@ -62,7 +62,7 @@ pub struct SeenLeaf {
 }
 
 /// Largest share of a [`SeenLeaf`]. It may exceed 1, since some leaves stand for others.
-const MOST_SHARE: f32 = 256.0;
+const MAX_SHARE: f32 = 256.0;
 
 // Shares are no NaN.
 impl Eq for SeenLeaf {}
@@ -228,7 +228,7 @@ impl SeenLeaf {
         let leaf = SeenLeaf { cell: CellKey::from_bytes(cell), before, share: f32::from_le_bytes(*share) };
         let rising = leaf.before.array_windows().all(|[a, b]| a.0 < b.0);
         let crossed = leaf.before.iter().all(|&(material, count)| count > 0 && is_canopy(material));
-        let good = leaf.cell.is_leaf() && is_canopy(leaf.cell.material) && leaf.share > 0.0 && leaf.share <= MOST_SHARE;
+        let good = leaf.cell.is_leaf() && is_canopy(leaf.cell.material) && leaf.share > 0.0 && leaf.share <= MAX_SHARE;
         (rising && crossed && good).then_some(leaf)
     }
 }

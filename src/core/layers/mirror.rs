@@ -3,7 +3,7 @@
 //! texels are those of the sky that the light comes from.
 
 use crate::site::cells::CellKey;
-use crate::site::chain::{Chain, MOST_MIRRORS, MirrorStep};
+use crate::site::chain::{Chain, MAX_MIRRORS, MirrorStep};
 
 /// Sky and surfaces that a receiver sees in mirrors.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -261,7 +261,7 @@ impl<'b> Reader<'b> {
     /// Reads the length of a chain, 1 to 3.
     fn length(&mut self) -> Option<usize> {
         let [length] = self.take()?;
-        (1..=MOST_MIRRORS).contains(&usize::from(length)).then_some(usize::from(length))
+        (1..=MAX_MIRRORS).contains(&usize::from(length)).then_some(usize::from(length))
     }
 
     fn chain(&mut self) -> Option<Chain> {

@@ -36,7 +36,7 @@ use crate::site::cells::{CellKey, CellMap, CellSet};
 
 /// Largest difference of radiosity from an interpolation with half of the nodes, as a share. The
 /// error with all nodes is about its square.
-const MOST_BENT: f64 = 5e-3;
+const MAX_BENT: f64 = 5e-3;
 
 /// Derives responses from an archive's cells for some states of its reflectances. Only the closed
 /// system is solved as a whole. The cells near a group of tiles are read and solved when
@@ -100,7 +100,7 @@ impl ResponseSolver {
     /// [`States::checks`](crate::light::states::States::checks).
     pub fn interpolates(&self, checks: &[Vec<f64>]) -> Result<bool> {
         for check in checks {
-            if self.closed.combination(check)? > MOST_BENT {
+            if self.closed.combination(check)? > MAX_BENT {
                 return Ok(false);
             }
         }

@@ -18,13 +18,13 @@ const NODES: [usize; 2] = [5, 9];
 /// Largest error of an interpolated power of a transmittance, for any number of crossings. It
 /// bounds the error of light as a share of the light that open canopies let through, since all
 /// light is a sum of such powers.
-const MOST_OFF: f64 = 1e-4;
+const MAX_OFF: f64 = 1e-4;
 
 /// Largest number of crossings of a path that is checked: four counts of 255.
-const MOST_CROSSINGS: usize = 1020;
+const MAX_CROSSINGS: usize = 1020;
 
 /// Largest number of states that are solved as they are, where they cannot be interpolated.
-const MOST: usize = 100;
+const MAX: usize = 100;
 
 /// Reflectances of some materials, or transmittances of some canopies.
 #[derive(Clone, Debug, PartialEq)]
@@ -67,25 +67,25 @@ impl States {
         let steep = |values: &[f64], nodes| {
             let of_canopy =
                 |s: &Schedule| s.values == values && s.materials.iter().any(|&m| lets_through.get(m) == Some(&true));
-            schedules.iter().any(of_canopy) && powers_off(&chebyshev(values, nodes)) > MOST_OFF
+            schedules.iter().any(of_canopy) && powers_off(&chebyshev(values, nodes)) > MAX_OFF
         };
         let any_steep = |nodes| series.iter().any(|values| steep(values, nodes));
         // Powers of transmittances that bend too much for the few nodes take the finer ones.
         let nodes = NODES[usize::from(finer || any_steep(NODES[0]))];
-        let count = nodes.checked_pow(series.len() as u32).filter(|count| *count <= MOST && !any_steep(nodes));
+        let count = nodes.checked_pow(series.len() as u32).filter(|count| *count <= MAX && !any_steep(nodes));
         // Interpolation pays only if it needs fewer states than there are sets of values.
         let Some(count) = count.filter(|count| *count < distinct.reflectances.len()) else {
             let found = distinct.reflectances.len();
-            if found > MOST && any_steep(nodes) {
+            if found > MAX && any_steep(nodes) {
                 let what =
                     "number of different transmittances in the schedule, which vary too much to be interpolated \
                      (round them),"
                         .to_string();
-                return Err(Error::Limit { what: what.into(), value: found as u64, max: MOST as u64 });
+                return Err(Error::Limit { what: what.into(), value: found as u64, max: MAX as u64 });
             }
-            if found > MOST {
+            if found > MAX {
                 let what = format!("number of states of {} reflectances that change independently", series.len());
-                return Err(Error::Limit { what: what.into(), value: found as u64, max: MOST as u64 });
+                return Err(Error::Limit { what: what.into(), value: found as u64, max: MAX as u64 });
             }
             return Ok(distinct);
         };
@@ -164,7 +164,7 @@ fn powers_off(nodes: &[f64]) -> f64 {
         let at = low + (high - low) * (i as f64 + 0.5) / 200.0;
         let weights = lagrange(nodes, at);
         let (mut powers, mut exact, mut worst) = (weights, 1.0, 0.0_f64);
-        for _ in 0..MOST_CROSSINGS {
+        for _ in 0..MAX_CROSSINGS {
             exact *= at;
             powers.iter_mut().zip(nodes).for_each(|(power, node)| *power *= node);
             worst = worst.max((powers.iter().sum::<f64>() - exact).abs());

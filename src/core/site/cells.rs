@@ -24,7 +24,7 @@ const LEVELS: (i8, i8) = (-10, 20);
 
 /// Level of the window, 2^22 m, in which voxels are counted: the input's coordinates modulo the
 /// window, from -2^21 to 2^21 m, take 32 bits at the finest level. A scene reaches at most 2^20 m
-/// from its origin ([`grid::MOST_M`](crate::site::grid::MOST_M)), so no two of its places have one
+/// from its origin ([`grid::MAX_M`](crate::site::grid::MAX_M)), so no two of its places have one
 /// voxel.
 const WINDOW_LEVEL: i8 = 22;
 

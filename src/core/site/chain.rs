@@ -8,7 +8,7 @@
 use glam::{DMat3, DVec3};
 
 /// Largest number of mirrors that light meets one after the other.
-pub const MOST_MIRRORS: usize = 3;
+pub const MAX_MIRRORS: usize = 3;
 
 /// Orientation of the parallel mirrors of one material.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,15 +36,15 @@ impl MirrorPlane {
 /// incidence in 255ths.
 pub type MirrorStep = (u16, u8);
 
-/// Chain of mirror orientations in the order from the observer on; at most [`MOST_MIRRORS`].
+/// Chain of mirror orientations in the order from the observer on; at most [`MAX_MIRRORS`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Chain {
     /// Numbers of the orientations + 1; 0 is none.
-    links: [u32; MOST_MIRRORS],
+    links: [u32; MAX_MIRRORS],
 }
 
 impl Chain {
-    /// Returns the chain of these orientations, from the observer on; those beyond [`MOST_MIRRORS`]
+    /// Returns the chain of these orientations, from the observer on; those beyond [`MAX_MIRRORS`]
     /// are left out.
     pub fn new(numbers: &[u16]) -> Self {
         let mut chain = Chain::default();
@@ -64,14 +64,14 @@ impl Chain {
         self.links.iter().take_while(|link| **link > 0).map(|link| (link - 1) as u16)
     }
 
-    /// Returns the number of mirrors, 0 to [`MOST_MIRRORS`].
+    /// Returns the number of mirrors, 0 to [`MAX_MIRRORS`].
     pub fn len(&self) -> usize {
         self.numbers().count()
     }
 
     /// Returns true if the chain has no mirror.
     pub fn is_empty(&self) -> bool {
-        self.links == [0; MOST_MIRRORS]
+        self.links == [0; MAX_MIRRORS]
     }
 
     /// Returns the linear map from the direction in which light comes from behind the last mirror

@@ -20,7 +20,7 @@ const ORIGIN_STEPS: f64 = 4_194_304.0;
 const EXACT_STEPS: f64 = 16_777_216.0;
 
 /// Least width of a scene in steps. A scene of less than 4 m takes a finer step to reach it.
-const LEAST_STEPS: f64 = 65_536.0;
+const MIN_STEPS: f64 = 65_536.0;
 
 /// Distance of a ray's start from its surface, in steps. The two ends of this gap are rounded by at
 /// most 0.87 steps (half the diagonal of a step) each.
@@ -36,7 +36,7 @@ const FAR_SHARE: f64 = 2e-6;
 
 /// Largest distance of a scene from its origin on each axis, metres (2^20). Keys of cells repeat
 /// after four times that.
-pub const MOST_M: f64 = 1_048_576.0;
+pub const MAX_M: f64 = 1_048_576.0;
 
 /// The frame of one scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,7 +60,7 @@ impl Grid {
         // An exponent without mantissa is the largest power of two that is not above. Scenes below
         // 2^-40 m hold nothing to see.
         let whole = f64::from_bits(extent_m.max(1e-12).to_bits() >> 52 << 52);
-        let step = (whole / LEAST_STEPS).min(STEP_M);
+        let step = (whole / MIN_STEPS).min(STEP_M);
         let coarse = step * ORIGIN_STEPS;
         // + 0.0 turns -0.0 into 0.0.
         Grid { origin: (middle / coarse).round() * coarse + 0.0, step }

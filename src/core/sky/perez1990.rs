@@ -26,7 +26,7 @@ pub const TABLE: [[f64; 6]; 8] = [
 ];
 
 /// Cosine of 85 degrees: the smallest divisor of circumsolar light.
-pub const LEAST_COSINE: f64 = 0.087_155_742_747_658_17;
+pub const MIN_COSINE: f64 = 0.087_155_742_747_658_17;
 
 /// Differences of a sky from an isotropic one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,7 +67,7 @@ pub fn brightening(dni_w_m2: f64, dhi_w_m2: f64, extraterrestrial_w_m2: f64, cos
     Brightening {
         f1: (f11 + f12 * delta + f13 * zenith_rad).max(0.0),
         f2: f21 + f22 * delta + f23 * zenith_rad,
-        b: cos_zenith.max(LEAST_COSINE),
+        b: cos_zenith.max(MIN_COSINE),
     }
 }
 
@@ -109,8 +109,8 @@ mod tests {
         let suns = [30.0, 50.0].map(|altitude| direction_from_degrees(100.0, altitude));
         let of = |suns: &[DVec3], dhi| coefficients(&Condition::new("c".into(), suns, DVec3::NEG_Z, 300.0, dhi));
         assert!((of(&suns, 100.0).b - (suns[0].z + suns[1].z) / 2.0).abs() < 1e-12);
-        assert_eq!(of(&[direction_from_degrees(0.0, 2.0)], 100.0).b, LEAST_COSINE);
-        assert!((LEAST_COSINE - 85.0_f64.to_radians().cos()).abs() < 1e-15);
+        assert_eq!(of(&[direction_from_degrees(0.0, 2.0)], 100.0).b, MIN_COSINE);
+        assert!((MIN_COSINE - 85.0_f64.to_radians().cos()).abs() < 1e-15);
         for none in [of(&[], 100.0), of(&suns, 0.0), of(&suns, 5e-324)] {
             assert_eq!(none, ISOTROPIC);
         }

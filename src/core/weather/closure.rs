@@ -34,7 +34,7 @@ const FEWEST_ROWS: usize = 24;
 
 /// Largest number of rows; more are thinned to this, so that the check does not cost more than
 /// reading.
-const MOST_ROWS: usize = 4_000;
+const MAX_ROWS: usize = 4_000;
 
 /// Largest share of GHI - DHI that the best shift may leave unexplained. Beyond it, time is not the
 /// cause.
@@ -67,7 +67,7 @@ impl Closure {
         if usable.len() < FEWEST_ROWS {
             return None;
         }
-        let stride = usable.len().div_ceil(MOST_ROWS);
+        let stride = usable.len().div_ceil(MAX_ROWS);
         usable = usable.into_iter().step_by(stride).collect();
         let rmse = |shift_min: f64| {
             let sum: f64 = usable

@@ -7,7 +7,7 @@
 
 use super::{Names, signed};
 use heliotile_core::sky::perez::{BIN_ENDS, KAPPA};
-use heliotile_core::sky::perez1990::{AIR_MASS, LEAST_COSINE, TABLE};
+use heliotile_core::sky::perez1990::{AIR_MASS, MIN_COSINE, TABLE};
 use heliotile_core::weather::time::sun::SOLAR_CONSTANT_W_M2;
 
 /// Returns lines that set `F1`, `F2` and `Around`, the divisor of circumsolar light on a level
@@ -19,7 +19,7 @@ pub fn brightening_lines(names: &Names) -> Vec<String> {
     let mut lines = vec![
         "SET F1 = 0".to_owned(),
         "SET F2 = 0".into(),
-        format!("SET Around = @Max Sine {LEAST_COSINE:.9}"),
+        format!("SET Around = @Max Sine {MIN_COSINE:.9}"),
         format!("IF {dhi} > 0"),
         format!("SET Zenith = 90 - {alt}"),
         format!("SET Left = {b} - Zenith"),

@@ -491,7 +491,7 @@ fn ground_range(document: &Document) -> GroundRange {
     if low < high {
         GroundRange { low, high }
     } else {
-        let high = high.max(injection::LEAST_GROUND);
+        let high = high.max(injection::MIN_GROUND);
         GroundRange { low: 0.5 * high, high }
     }
 }
@@ -537,14 +537,14 @@ heliotile_core::parse_by_name!(Physics);
 fn parse_spot(text: &str) -> std::result::Result<[f64; 3], String> {
     let numbers: Option<Vec<f64>> = text.split(',').map(|part| part.trim().parse::<f64>().ok()).collect();
     match numbers.as_deref() {
-        Some([x, y]) if x.abs() <= MOST_M && y.abs() <= MOST_M => Ok([*x, *y, 0.0]),
-        Some([x, y, z]) if [x, y, z].iter().all(|m| m.abs() <= MOST_M) => Ok([*x, *y, *z]),
+        Some([x, y]) if x.abs() <= MAX_M && y.abs() <= MAX_M => Ok([*x, *y, 0.0]),
+        Some([x, y, z]) if [x, y, z].iter().all(|m| m.abs() <= MAX_M) => Ok([*x, *y, *z]),
         _ => Err("give two or three numbers of metres, such as 78500,457800 or 78500,457800,1.5".into()),
     }
 }
 
 /// Largest coordinate, metres: no plane system has larger ones.
-const MOST_M: f64 = 1e8;
+const MAX_M: f64 = 1e8;
 
 #[cfg(test)]
 mod tests {

@@ -9,11 +9,11 @@ use crate::new_object::{FieldValue, NewObject};
 use heliotile_core::error::Result;
 
 /// Smallest view factor of surrounding surfaces: 0 would switch the whole object off (measured).
-const LEAST_VIEW: f64 = 0.001;
+const MIN_VIEW: f64 = 0.001;
 
 /// Largest view factor of the ground. The rest of the view is at the temperature of the air, as the
 /// ground is, too.
-const MOST_GROUND: f64 = 0.5;
+const MAX_GROUND: f64 = 0.5;
 
 /// Decimals of view factors.
 const DECIMALS: usize = 4;
@@ -141,8 +141,8 @@ fn write_site(document: &mut Document, names: &Names) {
 /// sky, at the temperature of the air.
 fn write_views(document: &mut Document, names: &Names, number: usize, reader: &Reader) {
     let name = names.of(&format!("Around{}", number + 1));
-    let sky = reader.sky_view.clamp(0.0, 1.0 - LEAST_VIEW);
-    let ground = (1.0 - sky - LEAST_VIEW).clamp(0.0, MOST_GROUND);
+    let sky = reader.sky_view.clamp(0.0, 1.0 - MIN_VIEW);
+    let ground = (1.0 - sky - MIN_VIEW).clamp(0.0, MAX_GROUND);
     let view = |value: f64| FieldValue::number(value, DECIMALS);
     let mut views = NewObject::new("SurfaceProperty:SurroundingSurfaces", &name, &[]);
     views.fields.extend([

@@ -8,7 +8,7 @@
 //! / sun_U multiplies all light, and what m takes from the sky is given back.
 
 /// Smallest multiplier of windows: below it nothing would be left to multiply.
-const LEAST_MULTIPLIER: f64 = 0.001;
+const MIN_MULTIPLIER: f64 = 0.001;
 
 /// Sun on the model alone below which it counts as no sun, W/m2.
 const NO_SUN_W_M2: f64 = 0.5;
@@ -27,14 +27,14 @@ pub struct StepLight {
 impl StepLight {
     /// Returns the factor by which a window multiplies its light.
     pub fn multiplier(&self) -> f64 {
-        if self.alone_sun < NO_SUN_W_M2 { 1.0 } else { (self.sun / self.alone_sun).clamp(LEAST_MULTIPLIER, 1.0) }
+        if self.alone_sun < NO_SUN_W_M2 { 1.0 } else { (self.sun / self.alone_sun).clamp(MIN_MULTIPLIER, 1.0) }
     }
 
     /// Returns the light to add as if from the ground before a window multiplies it, W/m2; opaque
     /// surfaces multiply by 1.
     pub fn added_before(&self, multiplier: f64) -> f64 {
         let after = self.reflected + self.sky - multiplier * self.alone_sky + self.sun - multiplier * self.alone_sun;
-        after / multiplier.max(LEAST_MULTIPLIER)
+        after / multiplier.max(MIN_MULTIPLIER)
     }
 }
 

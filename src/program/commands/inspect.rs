@@ -19,7 +19,7 @@ use heliotile::{BandOptics, Component, Error, Provenance, Result, SceneRequest, 
 const SETTINGS_A_LINE: usize = 7;
 
 /// Most characters of a text of an archive that are shown.
-const MOST_SHOWN: usize = 80;
+const MAX_SHOWN: usize = 80;
 
 /// `heliotile info`.
 pub fn info(args: &Info, _: Provenance) -> Result<Outcome> {
@@ -69,7 +69,7 @@ pub fn info(args: &Info, _: Provenance) -> Result<Outcome> {
     let mut out = String::new();
     let (scene, receivers, s) = (&manifest.scene, &manifest.receivers, &manifest.settings);
     line!(out, "{}", archive.path().display());
-    let [name, version] = [&manifest.creator.name, &manifest.creator.version].map(|text| excerpt(text, MOST_SHOWN));
+    let [name, version] = [&manifest.creator.name, &manifest.creator.version].map(|text| excerpt(text, MAX_SHOWN));
     line!(out, "  written by  {name} {version}");
     line!(out, "  root        {}", format::hex(&archive.root()));
     line!(
@@ -91,7 +91,7 @@ pub fn info(args: &Info, _: Provenance) -> Result<Outcome> {
         high[2]
     );
     if let Some(place) = &manifest.place {
-        line!(out, "  place       {}", excerpt(&place.to_string(), 4 * MOST_SHOWN));
+        line!(out, "  place       {}", excerpt(&place.to_string(), 4 * MAX_SHOWN));
     }
     let tiles = counted(receivers.tiles.into(), "tile");
     line!(out, "  receivers   {} in {tiles} of {}", receivers.count, receivers.tile_size);
@@ -100,7 +100,7 @@ pub fn info(args: &Info, _: Provenance) -> Result<Outcome> {
     line!(out, "  settings    {}", first.join(" "));
     line!(out, "              {}; probes shared by {}", rest.join(" "), s.share);
     if !s.quality.is_empty() {
-        line!(out, "  quality     {}", excerpt(&s.quality, MOST_SHOWN));
+        line!(out, "  quality     {}", excerpt(&s.quality, MAX_SHOWN));
     }
     match &manifest.accuracy {
         Some(accuracy) => say_accuracy(&mut out, accuracy),
@@ -136,7 +136,7 @@ pub fn info(args: &Info, _: Provenance) -> Result<Outcome> {
         let of_material = names.iter().zip(optics.canopy.iter().zip(&optics.transmittance));
         let canopies: Vec<String> = of_material
             .filter(|(_, (is, _))| **is == 1)
-            .map(|(name, (_, tau))| format!("{}={tau}", excerpt(name, MOST_SHOWN)))
+            .map(|(name, (_, tau))| format!("{}={tau}", excerpt(name, MAX_SHOWN)))
             .collect();
         if !canopies.is_empty() {
             line!(out, "  canopies    {}", canopies.join(" "));
@@ -147,7 +147,7 @@ pub fn info(args: &Info, _: Provenance) -> Result<Outcome> {
         let table = tables::BandsTable::from_block(&archive.block(format::BANDS, TileNumber::FIRST)?)?;
         let optics = table.optics(names.len()).unwrap_or_default();
         let stated = names.iter().zip(&optics).filter(|(_, optics)| **optics != BandOptics::default());
-        let stated: Vec<String> = stated.map(|(name, _)| excerpt(name, MOST_SHOWN)).collect();
+        let stated: Vec<String> = stated.map(|(name, _)| excerpt(name, MAX_SHOWN)).collect();
         line!(out, "  bands       {} values of {}", table.rows(), stated.join(", "));
     }
     line!(out, "  layer            blocks      raw bytes   stored bytes  a receiver");

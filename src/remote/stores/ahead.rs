@@ -20,7 +20,7 @@ const ROOM: u64 = 64 << 20;
 const KEPT: u64 = 128 << 20;
 /// Least share of [`ROOM`] and of [`KEPT`] that each file may take, bytes, however many files are
 /// open.
-const LEAST: u64 = 4 << 20;
+const MIN: u64 = 4 << 20;
 /// Number of later announcements after which a block that was not read no longer counts as unread.
 const FORGOTTEN: u64 = 8;
 
@@ -60,7 +60,7 @@ impl OpenFiles {
 
     /// Returns the share of `bytes` that each open file may take.
     fn share(&self, bytes: u64) -> u64 {
-        (bytes / self.0.load(Ordering::Relaxed).max(1)).max(LEAST)
+        (bytes / self.0.load(Ordering::Relaxed).max(1)).max(MIN)
     }
 }
 

@@ -21,10 +21,10 @@ use crate::stores::traffic;
 const AT_ONCE: u64 = 16 << 20;
 /// Largest file that is no archive, bytes: it is written in one request.
 pub const LARGEST_FILE: u64 = 256 << 20;
-/// Bytes of a part, unless the object would have more than [`MOST_PARTS`] parts.
+/// Bytes of a part, unless the object would have more than [`MAX_PARTS`] parts.
 const PART: u64 = 8 << 20;
 /// Most parts of an object: S3 takes 10,000.
-const MOST_PARTS: u64 = 9_000;
+const MAX_PARTS: u64 = 9_000;
 /// Times that an object is opened again if it changes while it is opened.
 const LOOKS: usize = 5;
 /// Most parts under way.
@@ -217,7 +217,7 @@ fn upload(
     }
     let begun = runtime.block_on(place.store.put_multipart(&place.path));
     let upload: Box<dyn MultipartUpload> = begun.map_err(|error| failed(Failure::of(&error)))?;
-    let part = PART.max(length.div_ceil(MOST_PARTS));
+    let part = PART.max(length.div_ceil(MAX_PARTS));
     let mut writer = WriteMultipart::new_with_chunk_size(upload, usize::try_from(part).unwrap_or(usize::MAX));
     let mut at = 0;
     while at < length {

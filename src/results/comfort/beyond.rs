@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 
 use heliotile_core::comfort::people::columns::ComfortColumn;
 use heliotile_core::comfort::people::light::PersonNumbers;
-use heliotile_core::comfort::utci::MOST_RADIANT_EXCESS_K;
+use heliotile_core::comfort::utci::MAX_RADIANT_EXCESS_K;
 use heliotile_core::text::counted;
 
 /// Counts of hours without a UTCI or a PET for heat.
@@ -34,7 +34,7 @@ impl HoursBeyond {
 
     /// Returns a warning for each index that lacks hours; `above_c` are the thresholds of the UTCI.
     pub(super) fn warnings(&self, above_c: &[f64], is_hourly: bool) -> Vec<String> {
-        let cause = format!("the mean radiant temperature is more than {MOST_RADIANT_EXCESS_K} K above the air there");
+        let cause = format!("the mean radiant temperature is more than {MAX_RADIANT_EXCESS_K} K above the air there");
         let utci = self.utci.warning("UTCI", &cause, above_c, is_hourly);
         let pet = self.pet.warning("PET", "the mean radiant temperature is too high there", &[], is_hourly);
         utci.into_iter().chain(pet).collect()

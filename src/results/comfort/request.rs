@@ -15,17 +15,17 @@ use heliotile_core::comfort::people::columns::ComfortColumn;
 use heliotile_core::comfort::people::model::{ComfortModel, SunOnPerson, SurfaceModel};
 use heliotile_core::comfort::people::periods::PeriodSum;
 use heliotile_core::comfort::pet::{PetPerson, PetPosture};
-use heliotile_core::comfort::surroundings::{LEAST_FILM_W_M2_K, SeenSurfaces, SurfaceMean, USUAL_FILM_W_M2_K};
+use heliotile_core::comfort::surroundings::{MIN_FILM_W_M2_K, SeenSurfaces, SurfaceMean, USUAL_FILM_W_M2_K};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::named::NamedValues;
 use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::site::material::{Class, Material, rounded};
 
 /// Allowed heat transfer coefficients of surfaces, W/m2K.
-const FILMS_W_M2_K: [f64; 2] = [LEAST_FILM_W_M2_K, 200.0];
+const FILMS_W_M2_K: [f64; 2] = [MIN_FILM_W_M2_K, 200.0];
 
 /// Largest factor of wind.
-const MOST_WIND_FACTOR: f64 = 3.0;
+const MAX_WIND_FACTOR: f64 = 3.0;
 
 /// Request for the thermal comfort of people through a weather file.
 #[derive(Clone, Debug, Request, Default)]
@@ -144,8 +144,8 @@ impl FromStr for WindChoice {
 
     fn from_str(text: &str) -> std::result::Result<Self, String> {
         match text.parse::<f64>() {
-            Ok(factor) if (0.0..=MOST_WIND_FACTOR).contains(&factor) => Ok(WindChoice::Factor(factor)),
-            Ok(_) => Err(format!("the wind factor {text} is not from 0 to {MOST_WIND_FACTOR}")),
+            Ok(factor) if (0.0..=MAX_WIND_FACTOR).contains(&factor) => Ok(WindChoice::Factor(factor)),
+            Ok(_) => Err(format!("the wind factor {text} is not from 0 to {MAX_WIND_FACTOR}")),
             Err(_) if text.is_empty() => Err("give a factor, as 0.7, or a CSV with a column `wind_m_s`".into()),
             Err(_) => Ok(WindChoice::File(text.into())),
         }

@@ -25,9 +25,9 @@ use heliotile_core::site::receiver::Receiver;
 
 /// Largest number of days that are columns of their own; longer series have a column for each
 /// month.
-const MOST_DAYS: usize = 62;
+const MAX_DAYS: usize = 62;
 /// Largest number of bars: more of them would be thinner than a point.
-const MOST_BARS: usize = 800;
+const MAX_BARS: usize = 800;
 /// Distance of a bar's colour from the middle of a scale around zero, as a share of the half scale.
 const BAR_SHARE: f32 = 0.6;
 /// Colour of bars that are not split into components.
@@ -81,9 +81,9 @@ impl Plot {
                         format!("`{}` is a map, which shows one value for each place, not {count}", path.display());
                     Err(Error::argument("plot", what, hint))
                 }
-                Plot::Bars if count > MOST_BARS => {
+                Plot::Bars if count > MAX_BARS => {
                     let what = "the number of bars of a chart (choose fewer with {from} and {to}, or a longer {every})";
-                    Err(Error::Limit { what: what.into(), value: count as u64, max: MOST_BARS as u64 })
+                    Err(Error::Limit { what: what.into(), value: count as u64, max: MAX_BARS as u64 })
                 }
                 _ => Ok((path.as_path(), plot)),
             }
@@ -231,7 +231,7 @@ impl AreaChart<'_> {
         let mut days: Vec<(u32, u32)> = stamps().flatten().map(|stamp| (stamp.date.month, stamp.date.day)).collect();
         days.sort_unstable();
         days.dedup();
-        let by_month = days.len() > MOST_DAYS;
+        let by_month = days.len() > MAX_DAYS;
         let (mut labels, mut sums) = (Vec::<String>::new(), Vec::<[(f64, u32); HOURS]>::new());
         for (stamp, value) in stamps().zip(values) {
             let Some(stamp) = stamp else { continue };

@@ -24,7 +24,7 @@ const MARKER: &str = "<!-- heliotile: data -->";
 const LATER: &str = "<!-- heliotile: later -->";
 
 /// Largest number of bytes of archives in a page: with more, browsers take seconds to read them.
-pub const MOST_BYTES: u64 = 50_000_000;
+pub const MAX_BYTES: u64 = 50_000_000;
 
 /// Page with the data that goes into it.
 #[derive(Default)]
@@ -65,7 +65,7 @@ impl ViewerPage {
     /// embedded.
     fn block(&mut self, id: &str, path: &Path, archive: &dyn ReadAt) -> Result<Option<String>> {
         let all = self.held.saturating_add(archive.length());
-        let Some(length) = usize::try_from(archive.length()).ok().filter(|_| all <= MOST_BYTES) else {
+        let Some(length) = usize::try_from(archive.length()).ok().filter(|_| all <= MAX_BYTES) else {
             return Ok(None);
         };
         let bytes = archive.copy_at(0, length).map_err(Error::unread(path))?;

@@ -13,7 +13,7 @@ use heliotile_core::observer::Observer;
 use heliotile_scene::pv::ground::{GroundGrid, GroundPlace};
 
 /// Largest number of places: more are a mix-up of metres and millimetres.
-const MOST_PLACES: f64 = 1e6;
+const MAX_PLACES: f64 = 1e6;
 
 /// Receiver on the ground, which faces straight up.
 #[derive(Clone, Debug)]
@@ -32,9 +32,9 @@ impl GroundSpot {
             let (name, Some(step_m)) = (&field.rows.name, field.rows.ground_step_m) else { continue };
             let grid = GroundGrid::new(&field.rows, step_m, field.north, &field.outline);
             wanted += grid.size();
-            if wanted > MOST_PLACES {
+            if wanted > MAX_PLACES {
                 let what = "the number of places on the ground among rows".to_owned();
-                return Err(Error::Limit { what: what.into(), value: wanted as u64, max: MOST_PLACES as u64 });
+                return Err(Error::Limit { what: what.into(), value: wanted as u64, max: MAX_PLACES as u64 });
             }
             let below = |p: DVec2| siting.top(p.x, p.y).map(|top| top.z);
             let modules = laid.fields().iter().flat_map(|field| &field.modules);

@@ -23,9 +23,9 @@ pub const GEOMETRY: &str = "modules.obj";
 pub const MATERIALS: &str = "modules.toml";
 
 /// Largest number of modules: more are a mix-up of metres and millimetres.
-const MOST_MODULES: usize = 1_000_000;
+const MAX_MODULES: usize = 1_000_000;
 /// Largest number of positions that are tried for rows: those of some 10 km2.
-const MOST_PLACES: f64 = 1e9;
+const MAX_PLACES: f64 = 1e9;
 
 /// Rows with their modules.
 pub struct LaidRows {
@@ -64,7 +64,7 @@ impl LaidRows {
                     }
                 },
             };
-            if outline.places(rows.pitch_m) > MOST_PLACES {
+            if outline.places(rows.pitch_m) > MAX_PLACES {
                 let what = format!("the rows `{}`: their area is too wide to search for places of modules", rows.name);
                 let hint = "check that its corners are metres in the coordinates of the scene; split a larger field into several [[rows]]";
                 return Err(Error::input(file, None, what, hint));
@@ -80,9 +80,9 @@ impl LaidRows {
                     "give a larger area, a smaller setback or another orientation",
                 ));
             }
-            if modules.len() > MOST_MODULES {
+            if modules.len() > MAX_MODULES {
                 let (what, value) = ("the number of modules of rows".into(), modules.len() as u64);
-                return Err(Error::Limit { what, value, max: MOST_MODULES as u64 });
+                return Err(Error::Limit { what, value, max: MAX_MODULES as u64 });
             }
             if left_out > 0 {
                 observer.warn(format!(

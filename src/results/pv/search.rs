@@ -35,7 +35,7 @@ const FINE_CIRCLES: usize = 4;
 /// traced as well.
 const NEAR_PERCENT: f64 = 1.0;
 /// Largest number of such peaks.
-const MOST_PEAKS: usize = 3;
+const MAX_PEAKS: usize = 3;
 
 /// Orientations to trace at a place.
 struct Asked {
@@ -176,7 +176,7 @@ fn peaks_of(found: &[OrientationValue]) -> Vec<Orientation> {
     for one in sorted.iter().take_while(|one| one.value >= most * (1.0 - NEAR_PERCENT / 100.0)) {
         let off = |turn: &Orientation| turn.normal().angle_between(one.turn.normal()).to_degrees();
         let is_top = found.iter().all(|other| off(&other.turn) > 1.6 * COARSE_DEG || other.value <= one.value);
-        if is_top && peaks.iter().all(|peak| off(peak) > FINE_DEG) && peaks.len() < MOST_PEAKS {
+        if is_top && peaks.iter().all(|peak| off(peak) > FINE_DEG) && peaks.len() < MAX_PEAKS {
             peaks.push(one.turn);
         }
     }

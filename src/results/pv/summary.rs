@@ -7,7 +7,7 @@ use crate::outputs::pv::search::PointSearch;
 use crate::outputs::pv::sums::SideSums;
 
 /// Largest number of rows; the rest is in the files.
-const MOST_ROWS: usize = 20;
+const MAX_ROWS: usize = 20;
 
 /// Returns the sums of sides, means and extremes on the ground if it has receivers, and the best
 /// orientations if there was a search.
@@ -25,7 +25,7 @@ pub fn table(sides: &[SideSums], searched: &[PointSearch], ground: &SumsOnGround
         "loss %",
         "sky view"
     );
-    for side in sides.iter().take(MOST_ROWS) {
+    for side in sides.iter().take(MAX_ROWS) {
         let [sun, sky, sun_reflected, sky_reflected, sun_mirrored, sky_mirrored] = side.months.parts();
         let name = [side.point.as_str(), side.side].join(" ");
         let loss = side.loss_percent().map_or_else(|| "-".to_owned(), |loss| format!("{loss:.2}"));
@@ -47,7 +47,7 @@ pub fn table(sides: &[SideSums], searched: &[PointSearch], ground: &SumsOnGround
             "best orientation of", "tilt", "azim.", "total", "flat loses %", "given loses %", "on an open plain"
         );
     }
-    for search in searched.iter().take(MOST_ROWS) {
+    for search in searched.iter().take(MAX_ROWS) {
         let (best, open) = (search.best, search.open_best);
         let given =
             search.given.map_or_else(|| "-".to_owned(), |given| format!("{:.2}", search.loss_percent(given.value)));
@@ -93,6 +93,6 @@ fn on_ground(ground: &SumsOnGround) -> String {
 }
 
 fn rest(count: usize) -> String {
-    let more = count.saturating_sub(MOST_ROWS);
+    let more = count.saturating_sub(MAX_ROWS);
     if more > 0 { format!("... and {more} more, in the files\n") } else { String::new() }
 }

@@ -21,7 +21,7 @@ const FILE: &str = "made-from.json";
 const INSIDE: [&str; 2] = ["horizon", "turns"];
 
 /// Largest size of the file, bytes: heliotile writes no larger one.
-const MOST_BYTES: u64 = 64 << 20;
+const MAX_BYTES: u64 = 64 << 20;
 
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 /// Inputs that results were made from, and the names of the results.
@@ -52,7 +52,7 @@ impl MadeFrom {
         match fs::metadata(&path) {
             Err(e) if e.kind() == ErrorKind::NotFound => return Ok(None),
             Err(e) => return Err(Error::io(&path, "read")(e)),
-            Ok(about) if about.len() > MOST_BYTES || !about.is_file() => {
+            Ok(about) if about.len() > MAX_BYTES || !about.is_file() => {
                 let what = "was not written by heliotile";
                 return Err(Error::input(&path, None, what, "remove it, or give another folder with {output}"));
             }

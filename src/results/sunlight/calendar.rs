@@ -21,7 +21,7 @@ pub struct DaySpan {
 const YEAR: &str = "year";
 
 /// Largest number of days: a hundred years.
-const MOST_DAYS: i32 = 36_525;
+const MAX_DAYS: i32 = 36_525;
 
 impl FromStr for DaySpan {
     type Err = String;
@@ -78,7 +78,7 @@ impl DaySpan {
         let last = if is_over_new_year { self.last.day_in(year + 1).unwrap_or(last) } else { last };
         let numbers = first.day_number()..=last.day_number();
         match numbers.end() - numbers.start() {
-            0..=MOST_DAYS => numbers.filter_map(Date::of_day_number).collect(),
+            0..=MAX_DAYS => numbers.filter_map(Date::of_day_number).collect(),
             _ => Vec::new(),
         }
     }

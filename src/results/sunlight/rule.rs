@@ -224,7 +224,7 @@ struct StatedRule {
 }
 
 /// Longest name of a rule: names of columns of maps begin with it.
-const MOST_LETTERS: usize = 40;
+const MAX_LETTERS: usize = 40;
 
 impl TryFrom<StatedRule> for Rule {
     type Error = String;
@@ -232,9 +232,9 @@ impl TryFrom<StatedRule> for Rule {
     fn try_from(stated: StatedRule) -> Result<Self, String> {
         let is_plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
         let name = stated.name;
-        if name.is_empty() || name.len() > MOST_LETTERS || !name.chars().all(is_plain) {
+        if name.is_empty() || name.len() > MAX_LETTERS || !name.chars().all(is_plain) {
             return Err(format!(
-                "`{name}` cannot name a rule: use lowercase letters, digits and -, {MOST_LETTERS} at most"
+                "`{name}` cannot name a rule: use lowercase letters, digits and -, {MAX_LETTERS} at most"
             ));
         }
         let is_percent = stated.measure.is_percent();

@@ -92,9 +92,9 @@ const ROWS: [Row; 5] = [
     },
 ];
 
-/// Numbers of sun positions in an hour that are compared with `MOST_STEPS`, one a minute.
+/// Numbers of sun positions in an hour that are compared with `MAX_STEPS`, one a minute.
 const STEPS: [usize; 6] = [1, 2, 4, 6, 12, 30];
-const MOST_STEPS: usize = 60;
+const MAX_STEPS: usize = 60;
 
 /// Varies each setting alone, at the quality `fine` otherwise. Numbers of sun positions need a
 /// weather file.
@@ -140,7 +140,7 @@ pub(super) fn each_alone(bench: &Bench, left_out: Effects, suns: &ErrorCondition
             conditions.retain(is_lit);
             Bench { conditions: &conditions, ..*bench }.light(&fine.archive, base.patches)
         };
-        let truth = light(MOST_STEPS)?;
+        let truth = light(MAX_STEPS)?;
         for steps in STEPS {
             let error = light(steps)?.total_error(&truth);
             points.push(point("steps", steps as f64, "60", error, truth.mean(), 0, 0.0));

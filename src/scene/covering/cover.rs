@@ -59,7 +59,7 @@ impl Request for Density {
 }
 
 /// Largest number of points on one surface.
-pub const MOST_POINTS: f64 = 100e6;
+pub const MAX_POINTS: f64 = 100e6;
 
 impl Density {
     /// Returns the number of points on a surface.
@@ -78,7 +78,7 @@ impl Density {
 }
 
 /// Most cuts at necks of a part with one point, so that lattices are not taken to pieces.
-const MOST_NECKS: usize = 2;
+const MAX_NECKS: usize = 2;
 
 /// A part of a surface and the point that stands for it.
 #[derive(Clone, Debug)]
@@ -104,11 +104,11 @@ type Shard = ([DVec3; 3], u32);
 /// parts beyond a neck get pieces of their own.
 pub fn cover(surface: &Surface, density: Density) -> Vec<Piece> {
     let frame = Frame::of(surface);
-    let count = density.points(surface).min(MOST_POINTS) as usize;
+    let count = density.points(surface).min(MAX_POINTS) as usize;
     let mut pieces = Vec::with_capacity(count);
     let shards = surface.triangles.iter().copied().zip(surface.faces.iter().copied()).collect();
     let spare = match density {
-        Density::Spacing(_) if surface.kind != SurfaceKind::Ground => Some(MOST_NECKS),
+        Density::Spacing(_) if surface.kind != SurfaceKind::Ground => Some(MAX_NECKS),
         _ => None,
     };
     divide(shards, count, spare, &frame, &mut pieces);

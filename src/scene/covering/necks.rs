@@ -7,11 +7,11 @@
 /// Greatest width of a neck, as a share of the narrower of the two sides' greatest widths.
 const NECK: f64 = 0.1;
 /// Least share of the area on each side of a cut: less is not worth a receiver.
-const LEAST_SHARE: f64 = 0.02;
+const MIN_SHARE: f64 = 0.02;
 /// Distance below which two places are one, metres.
 const SAME_M: f64 = 1e-6;
 /// Most triangles of a surface that is searched for necks: surfaces of more triangles are hills.
-const MOST_TRIANGLES: usize = 128;
+const MAX_TRIANGLES: usize = 128;
 
 /// Extent of a triangle along an axis: the places of its corners in order, and its area.
 pub(super) struct Span {
@@ -45,7 +45,7 @@ pub(super) struct Neck {
 
 /// Returns the narrowest neck of a surface along an axis; the cut lies in the middle of the neck.
 pub(super) fn narrowest(spans: &[Span]) -> Option<Neck> {
-    if spans.len() > MOST_TRIANGLES {
+    if spans.len() > MAX_TRIANGLES {
         return None;
     }
     let mut places: Vec<f64> = spans.iter().flat_map(|span| span.places).collect();
@@ -69,7 +69,7 @@ pub(super) fn narrowest(spans: &[Span]) -> Option<Neck> {
             share: 0.5 * (slab.1[0] + slab.1[1]) / total,
             width: width(slab) / sides.max(f64::MIN_POSITIVE),
         };
-        let divides = (LEAST_SHARE..=1.0 - LEAST_SHARE).contains(&neck.share) && neck.width <= NECK;
+        let divides = (MIN_SHARE..=1.0 - MIN_SHARE).contains(&neck.share) && neck.width <= NECK;
         // Narrower by more than rounding, so that the choice between equal necks is stable.
         if divides && found.as_ref().is_none_or(|other| neck.width < other.width - 1e-9) {
             found = Some(neck);

@@ -50,7 +50,7 @@ pub struct EditedScene {
 }
 
 /// Least height that must remain of a lowered object, metres.
-const LEAST_M: f64 = 0.1;
+const MIN_M: f64 = 0.1;
 
 /// Height over the foot of an object below which a face that looks up is no roof, metres.
 const FOOT_M: f64 = 1.0;
@@ -164,7 +164,7 @@ impl EditedScene {
                 "remove it with {remove} and add another one with {add}",
             );
         }
-        if from + by < low.z + LEAST_M {
+        if from + by < low.z + MIN_M {
             let what = format!(
                 "would be lowered by {:.2} m, but its lowest roof is only {:.2} m above its foot",
                 -by,

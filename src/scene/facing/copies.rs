@@ -21,7 +21,7 @@ const PARALLEL: f64 = 0.999;
 /// Error of sums of areas that is a rounding error, as a share.
 const ROUNDING: f64 = 1e-6;
 /// Most faces of a solid whose copies are searched: pairs of faces are compared.
-const MOST_FACES: usize = 2000;
+const MAX_FACES: usize = 2000;
 
 /// Returns the faces of second copies among the shells of an object.
 pub(super) fn second_copies(geometry: &Geometry, welded: &[u32], shells: &[Shell]) -> Vec<usize> {
@@ -51,7 +51,7 @@ struct Flat {
 fn second_copy(geometry: &Geometry, welded: &[u32], shells: &[&Shell]) -> Vec<usize> {
     let mut numbers: Vec<usize> = shells.iter().flat_map(|shell| shell.faces.iter().copied()).collect();
     numbers.sort_unstable();
-    if numbers.len() > MOST_FACES || 2 * twins::within(geometry, welded, &numbers).len() == numbers.len() {
+    if numbers.len() > MAX_FACES || 2 * twins::within(geometry, welded, &numbers).len() == numbers.len() {
         return Vec::new();
     }
     let mut planes: Vec<Vec<Flat>> = Vec::new();

@@ -10,7 +10,7 @@ use glam::{DVec2, DVec3};
 use crate::geometry::Geometry;
 
 /// Most corners of an outline that is searched: comparing all edges costs the square of this.
-const MOST_CORNERS: usize = 64;
+const MAX_CORNERS: usize = 64;
 /// Share of the outline's size squared below which crossing edges count as touching.
 const TOUCHING: f64 = 1e-9;
 
@@ -19,7 +19,7 @@ pub(super) fn uncross(geometry: &mut Geometry) -> Vec<usize> {
     let mut found = Vec::new();
     for face in geometry.faces() {
         let outline = face.rings().next().unwrap_or_default();
-        if (4..=MOST_CORNERS).contains(&outline.len())
+        if (4..=MAX_CORNERS).contains(&outline.len())
             && let Some(order) = uncrossed(outline, &geometry.vertices)
         {
             found.push((face.number, order));

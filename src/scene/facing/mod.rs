@@ -40,7 +40,7 @@ use sides::{Rule, Sides, Verdict};
 use twins::Twin;
 
 /// Largest number of objects named in the first line of a warning.
-const MOST_NAMES: usize = 3;
+const MAX_NAMES: usize = 3;
 
 /// Numbers of the faces that were changed, or whose outside could not be found.
 #[derive(Default)]
@@ -335,15 +335,15 @@ fn report(geometry: &mut Geometry, changes: &Changes) {
             }
         }
         let (count, objects) = (counted(faces.len() as u64, "face"), names.len());
-        let first = names.iter().take(MOST_NAMES).cloned().collect::<Vec<_>>().join(", ");
+        let first = names.iter().take(MAX_NAMES).cloned().collect::<Vec<_>>().join(", ");
         match objects {
             0 => None,
-            1..=MOST_NAMES => Some(message!("{count} of {first} {what}")),
+            1..=MAX_NAMES => Some(message!("{count} of {first} {what}")),
             _ => Some(with_list(
                 format!(
                     "{count} of {} ({first} and {} more) {what}",
                     counted(objects as u64, "object"),
-                    objects - MOST_NAMES
+                    objects - MAX_NAMES
                 ),
                 names,
             )),

@@ -64,7 +64,7 @@ const AGREED_AREA: f64 = 0.8;
 /// face.
 const OFF_M: f64 = 1e-3;
 /// Most tests of a ray and a triangle for one patch, some seconds; larger patches count as sheets.
-const MOST_TESTS: usize = 300_000_000;
+const MAX_TESTS: usize = 300_000_000;
 
 /// A face as rays meet it.
 struct Faced {
@@ -117,7 +117,7 @@ impl Sides {
             size.then(heliotile_core::site::morton::lexicographic(a.low + a.high, b.low + b.high))
         });
         asked.truncate(ASKED);
-        if self.triangles * (LEVEL_RAYS + STEEP_RAYS) * asked.len() > MOST_TESTS {
+        if self.triangles * (LEVEL_RAYS + STEEP_RAYS) * asked.len() > MAX_TESTS {
             return Verdict::Sheet;
         }
         let (mut weights, mut total) = ([0.0; 4], 0.0);

@@ -10,13 +10,13 @@ use crate::terrain::raster::Raster;
 /// sampled, too.
 const STEP_M: f64 = 5.0;
 /// Most sampled places along one side.
-const MOST_STEPS: f64 = 200.0;
+const MAX_STEPS: f64 = 200.0;
 
 /// Least width of the cells that triangles are sorted into, metres; otherwise there are as many
 /// cells as triangles.
-const LEAST_CELL_M: f64 = 0.5;
+const MIN_CELL_M: f64 = 0.5;
 /// Most cells that a triangle is listed in; a triangle over more cells is tested at every place.
-const MOST_CELLS: i64 = 4096;
+const MAX_CELLS: i64 = 4096;
 
 /// Ground of all files of a scene.
 pub(crate) struct GroundBelow<'a> {
@@ -36,12 +36,12 @@ impl<'a> GroundBelow<'a> {
         let low = corners().fold(DVec2::INFINITY, DVec2::min);
         let size = corners().fold(DVec2::NEG_INFINITY, DVec2::max) - low;
         let cell_m = (size.x * size.y / triangles.len().max(1) as f64).sqrt();
-        let cell_m = if cell_m.is_finite() { cell_m.max(LEAST_CELL_M) } else { LEAST_CELL_M };
+        let cell_m = if cell_m.is_finite() { cell_m.max(MIN_CELL_M) } else { MIN_CELL_M };
         let mut ground = GroundBelow { rasters, triangles, low, cell_m, cells: Vec::new(), large: Vec::new() };
         for (number, triangle) in (0..).zip(&ground.triangles) {
             let [a, b, c] = triangle.map(|corner| corner.truncate());
             let ([x0, y0], [x1, y1]) = (ground.cell(a.min(b).min(c)), ground.cell(a.max(b).max(c)));
-            if (x1 - x0 + 1).saturating_mul(y1 - y0 + 1) > MOST_CELLS {
+            if (x1 - x0 + 1).saturating_mul(y1 - y0 + 1) > MAX_CELLS {
                 ground.large.push(number);
                 continue;
             }
@@ -64,7 +64,7 @@ impl<'a> GroundBelow<'a> {
         let mut lowest: Option<f64> = None;
         for ring in rings {
             for (a, b) in ring.iter().zip(ring.iter().cycle().skip(1)) {
-                let steps = (a.distance(*b) / STEP_M).ceil().clamp(1.0, MOST_STEPS);
+                let steps = (a.distance(*b) / STEP_M).ceil().clamp(1.0, MAX_STEPS);
                 for step in 0..steps as u32 {
                     let height = self.height(a.lerp(*b, f64::from(step) / steps));
                     lowest = height.map(|height| lowest.map_or(height, |lowest| lowest.min(height))).or(lowest);

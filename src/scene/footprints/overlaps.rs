@@ -17,7 +17,7 @@ const OVERLAP_SHARE: f64 = 0.002;
 const SAME_HEIGHT_M: f64 = 0.01;
 
 /// Least share of a part that its outline covers.
-const MOST: f64 = 0.5;
+const MAX: f64 = 0.5;
 
 /// A prism: a footprint between two heights.
 #[derive(Clone, Debug, Default)]
@@ -90,7 +90,7 @@ pub(super) fn outlines_without_parts(blocks: &mut [Block], pairs: &[Pair]) -> Ve
             if !a.is_part || b.is_part {
                 continue;
             }
-            if shared_m2(&a.polygons, &b.polygons) > MOST * area_m2(&a.polygons)
+            if shared_m2(&a.polygons, &b.polygons) > MAX * area_m2(&a.polygons)
                 && let Some(slot) = wholes.get_mut(part)
             {
                 slot.get_or_insert(whole);

@@ -2,7 +2,7 @@
 //! footprint stands. Out: for each side the heights between which its wall is outdoors.
 
 /// Least height of a wall, metres: heights are stated in centimetres.
-const LEAST_M: f64 = 0.01;
+const MIN_M: f64 = 0.01;
 
 /// A side of a footprint, anticlockwise: the building is on its left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -57,7 +57,7 @@ pub(super) fn free_walls(mut sides: Vec<Side>, standing: &[Standing]) -> FreeWal
         let mut foot_m = own.foot_m;
         for [from, to] in covered.iter().copied().chain([[f64::INFINITY; 2]]) {
             let roof_m = own.roof_m.min(from);
-            if roof_m - foot_m >= LEAST_M {
+            if roof_m - foot_m >= MIN_M {
                 found.walls.push(FreeWall { side: *side, foot_m, roof_m });
             }
             foot_m = foot_m.max(to);

@@ -32,8 +32,8 @@ const GDAL_METADATA: u16 = 42112;
 /// Most samples that a packed byte may unpack to: a file that claims more is refused unread. A byte
 /// of Deflate yields at most 1032 bytes, of LZW some 2500; Zstandard has the higher limit below (4
 /// bytes for a block of 128 KiB).
-const MOST_PACKED: u64 = 4096;
-const MOST_PACKED_ZSTD: u64 = 1 << 15;
+const MAX_PACKED: u64 = 4096;
+const MAX_PACKED_ZSTD: u64 = 1 << 15;
 
 /// GDAL's code of Zstandard in the compression tag.
 const ZSTD: u16 = 50_000;
@@ -124,7 +124,7 @@ pub(crate) fn parse(bytes: &[u8], file: &Path) -> Result<Raster> {
     let samples = check_size(file, columns.into(), rows.into())?;
     let is_zstd = tiff.find_tag_unsigned::<u16>(Tag::Compression).ok().flatten() == Some(ZSTD);
     // An impossible claim is refused before anything of its size is allocated.
-    if samples as u64 > bytes.len() as u64 * if is_zstd { MOST_PACKED_ZSTD } else { MOST_PACKED } {
+    if samples as u64 > bytes.len() as u64 * if is_zstd { MAX_PACKED_ZSTD } else { MAX_PACKED } {
         let what = format!("the header states {columns} x {rows} samples, more than {} bytes can hold", bytes.len());
         return Err(Error::input(file, None, what, cut));
     }

@@ -64,7 +64,7 @@ pub(super) fn read_libraries(
                 warnings.extend(undescribed(&path, &nothing.without, "without a `Kd`"));
                 warnings.extend(undescribed(&path, &nothing.white, WHITE_WORDS));
                 // A library of hundreds of materials would otherwise flood the warnings.
-                if odd.len() > MOST_ODD {
+                if odd.len() > MAX_ODD {
                     let sentence = format!(
                         "{}: {} properties of materials are ignored or changed (textures, transparency, reflectances above 1 in \
                          sum, second definitions)",
@@ -92,7 +92,7 @@ pub(super) fn read_libraries(
 }
 
 /// Most remarks on a library that get a warning each; more than that become one list.
-const MOST_ODD: usize = 3;
+const MAX_ODD: usize = 3;
 
 /// Returns the paths in the text of an `mtllib` statement: one path if a file has the whole text as
 /// its name (with its blanks), otherwise one for each word.

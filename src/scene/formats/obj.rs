@@ -21,7 +21,7 @@ pub(super) const DEFAULT_MATERIAL: &str = "default";
 const MAX_KINDS_IGNORED: usize = 16;
 
 /// Most lines of comments at the head of a file that are searched.
-const MOST_COMMENTS: usize = 20;
+const MAX_COMMENTS: usize = 20;
 
 /// One `mtllib` statement: one file name or several, and its line.
 #[derive(Debug)]
@@ -63,7 +63,7 @@ pub(crate) fn parse(bytes: &[u8], file: &Path) -> Result<(Geometry, Vec<Library>
 /// Returns what the comments at the head of a file say about its up axis.
 fn header_up(bytes: &[u8]) -> Option<HeaderUp> {
     let comments = bytes.split(|byte| *byte == b'\n').map_while(|line| line.trim_ascii().strip_prefix(b"#"));
-    comments.take(MOST_COMMENTS).filter_map(HeaderUp::of_comment).max()
+    comments.take(MAX_COMMENTS).filter_map(HeaderUp::of_comment).max()
 }
 
 struct Reader<'f> {

@@ -7,7 +7,7 @@
 const SIZES: [u64; 18] = [1, 1, 2, 4, 8, 1, 1, 2, 4, 8, 4, 8, 4, 1, 1, 8, 8, 8];
 
 /// Most directories that are searched for a mask; files with overviews have some twenty.
-const MOST_DIRECTORIES: usize = 64;
+const MAX_DIRECTORIES: usize = 64;
 
 const SUBFILE_TYPE: u64 = 254;
 const WIDTH: u64 = 256;
@@ -181,7 +181,7 @@ pub(super) fn mask(bytes: &[u8]) -> Result<Option<Patches>, String> {
     let (at, length) = bytes.first();
     let Some(first) = bytes.number(at, length).and_then(|start| bytes.directory(start)) else { return Ok(None) };
     let mut start = first.next;
-    for _ in 0..MOST_DIRECTORIES {
+    for _ in 0..MAX_DIRECTORIES {
         let Some(directory) = Some(start).filter(|start| *start != 0).and_then(|start| bytes.directory(start)) else {
             break;
         };

@@ -17,7 +17,7 @@ const HEIGHTS: f64 = 400.0;
 
 /// Largest half side of the plane, metres: scenes end there. From 2.5 km up, 0.0025 rad below the
 /// horizon are missing.
-const MOST_M: f64 = 1e6;
+const MAX_M: f64 = 1e6;
 
 /// Properties of the endless ground besides its material.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,7 +44,7 @@ impl EndlessGround {
         let z = self.elevation_m.unwrap_or(low.z);
         let middle = (low + high) / 2.0;
         let half = (high - low).truncate().max_element() / 2.0 + BEYOND_M.max(HEIGHTS * (high.z - z));
-        let half = half.min(MOST_M);
+        let half = half.min(MAX_M);
         let first = corners.len() as u32;
         for (x, y) in [(-half, -half), (half, -half), (half, half), (-half, half)] {
             corners.push(DVec3::new(middle.x + x, middle.y + y, z));

@@ -24,12 +24,12 @@ const SAME_HEIGHT_M: f64 = 0.01;
 /// Least upward component of the unit normal, up or down, of a face that counts; steeper faces are
 /// standing.
 const UPRIGHT: f64 = 0.1;
-/// Points on each side of the plan: the most of these that need at most `MOST_VISITS` tests of a
+/// Points on each side of the plan: the most of these that need at most `MAX_VISITS` tests of a
 /// point in a triangle's box.
 const SIDES: [usize; 6] = [1024, 512, 256, 128, 64, 32];
-const MOST_VISITS: f64 = 3e8;
+const MAX_VISITS: f64 = 3e8;
 /// Points on each side if all of `SIDES` need more tests.
-const LEAST_SIDE: usize = 16;
+const MIN_SIDE: usize = 16;
 /// Points on each side of the plan around standing triangles.
 const AROUND_SIDE: usize = 128;
 
@@ -55,8 +55,8 @@ pub(crate) fn lies_free(
         (a.max(b).max(c) - a.min(b).min(c)).element_product()
     };
     let shares: f64 = ground.clone().chain(above.clone()).map(share).sum();
-    let fits = |side: &usize| shares * (side * side) as f64 <= MOST_VISITS;
-    let side = SIDES.into_iter().find(fits).unwrap_or(LEAST_SIDE);
+    let fits = |side: &usize| shares * (side * side) as f64 <= MAX_VISITS;
+    let side = SIDES.into_iter().find(fits).unwrap_or(MIN_SIDE);
     let plan = Plan { low, cell: extent / side as f64, side };
     let (ground, above) = (plan.highest(ground), plan.highest(above));
     let (mut free, mut all) = (0_usize, 0_usize);

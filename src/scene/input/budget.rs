@@ -11,7 +11,7 @@ const FREE: u64 = if cfg!(test) { 16 << 20 } else { 512 << 20 };
 /// 20.
 const TIMES: u64 = 200;
 /// Most bytes that any file may expand to.
-const MOST: u64 = 10 << 30;
+const MAX: u64 = 10 << 30;
 
 /// Bytes of memory that instances, templates and dictionaries of one file may expand to, estimated.
 #[derive(Clone, Copy, Debug)]
@@ -23,7 +23,7 @@ pub(crate) struct WorkBudget {
 impl WorkBudget {
     /// Returns the budget of a file of `length` bytes, with the files that it names.
     pub fn of(length: u64) -> Self {
-        WorkBudget { most: length.saturating_mul(TIMES).clamp(FREE, MOST), spent: 0 }
+        WorkBudget { most: length.saturating_mul(TIMES).clamp(FREE, MAX), spent: 0 }
     }
 
     /// Returns the budget of the file at `path`.
@@ -54,7 +54,7 @@ mod tests {
     /// GiB, and no byte more, whatever the order of its parts; the message names file and parts.
     #[test]
     fn small_files_expand_to_a_fixed_size() {
-        for (length, most) in [(1000, FREE), (1_000_000, 200_000_000), (1_000_000_000_000, MOST)] {
+        for (length, most) in [(1000, FREE), (1_000_000, 200_000_000), (1_000_000_000_000, MAX)] {
             let mut budget = WorkBudget::of(length);
             budget.spend(most / 4, 3, "templates", Path::new("a.json")).expect("three quarters");
             budget.spend(1, most - most / 4 * 3, "templates", Path::new("a.json")).expect("all of it");

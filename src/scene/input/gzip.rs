@@ -15,16 +15,16 @@ const MAGIC: [u8; 2] = [0x1f, 0x8b];
 
 /// Most bytes that a file read as a whole may unpack to: a machine of 16 GB can hold them and the
 /// scene made of them.
-const MOST_WHOLE: u64 = 4 << 30;
+const MAX_WHOLE: u64 = 4 << 30;
 /// Bytes that any machine can hold: up to this size the ratio of unpacked to packed bytes is not
-/// limited, beyond it to [`MOST_TIMES`].
+/// limited, beyond it to [`MAX_TIMES`].
 const HARMLESS: u64 = 256 << 20;
 /// Largest ratio of unpacked to packed bytes: text is usually packed to a twentieth, bombs to a
 /// thousandth.
-const MOST_TIMES: u64 = 200;
+const MAX_TIMES: u64 = 200;
 /// Most bytes that a file read piece by piece may unpack to: 100 million receivers are a tenth of
 /// that.
-const MOST_STREAMED: u64 = 64 << 30;
+const MAX_STREAMED: u64 = 64 << 30;
 
 /// Returns the plain bytes of a file.
 pub(super) fn unpack(bytes: Vec<u8>, file: &Path) -> Result<Vec<u8>> {
@@ -33,12 +33,12 @@ pub(super) fn unpack(bytes: Vec<u8>, file: &Path) -> Result<Vec<u8>> {
 
 /// Returns the number of bytes that `packed` bytes of a file read as a whole may unpack to.
 pub(super) fn most(packed: u64) -> u64 {
-    packed.saturating_mul(MOST_TIMES).clamp(HARMLESS, MOST_WHOLE)
+    packed.saturating_mul(MAX_TIMES).clamp(HARMLESS, MAX_WHOLE)
 }
 
 /// Returns the number of bytes that `packed` bytes of a file read piece by piece may unpack to.
 pub(super) fn most_streamed(packed: u64) -> u64 {
-    packed.saturating_mul(MOST_TIMES).clamp(HARMLESS, MOST_STREAMED)
+    packed.saturating_mul(MAX_TIMES).clamp(HARMLESS, MAX_STREAMED)
 }
 
 fn unpack_up_to(most: u64, bytes: Vec<u8>, file: &Path) -> Result<Vec<u8>> {
@@ -72,7 +72,7 @@ pub(super) fn unpacked(mut file: File, path: &Path) -> Result<Box<dyn Read>> {
     }
     let whole = Cursor::new(head).chain(file);
     Ok(if packed {
-        Box::new(Bounded { inner: MultiGzDecoder::new(BufReader::new(whole)), left: MOST_STREAMED })
+        Box::new(Bounded { inner: MultiGzDecoder::new(BufReader::new(whole)), left: MAX_STREAMED })
     } else {
         Box::new(whole)
     })
@@ -88,7 +88,7 @@ impl<R: Read> Read for Bounded<R> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let count = self.inner.read(buffer)?;
         self.left = self.left.checked_sub(count as u64).ok_or_else(|| {
-            io::Error::other(format!("it unpacks to more than {MOST_STREAMED} bytes; unpack it with gunzip"))
+            io::Error::other(format!("it unpacks to more than {MAX_STREAMED} bytes; unpack it with gunzip"))
         })?;
         Ok(count)
     }

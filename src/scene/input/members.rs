@@ -18,7 +18,7 @@ use crate::text::{excerpt, utf8};
 const UTF_16: [[u8; 2]; 2] = [[0xff, 0xfe], [0xfe, 0xff]];
 
 /// Most bytes of a text in UTF-16, which is held as a whole.
-const MOST_UTF_16: u64 = 1 << 30;
+const MAX_UTF_16: u64 = 1 << 30;
 
 const UNPACK: &str = "unpack it and give its files, or their folder";
 
@@ -161,9 +161,9 @@ fn plain<'r>(mut bytes: Box<dyn Read + 'r>, path: &Path) -> Result<Box<dyn Read 
     if !UTF_16.iter().any(|mark| head == mark) {
         return Ok(Box::new(Cursor::new(head).chain(bytes)));
     }
-    bytes.take(MOST_UTF_16 + 1).read_to_end(&mut head).map_err(Error::io(path, "read"))?;
-    if head.len() as u64 > MOST_UTF_16 {
-        let what = format!("is UTF-16 of more than {MOST_UTF_16} bytes");
+    bytes.take(MAX_UTF_16 + 1).read_to_end(&mut head).map_err(Error::io(path, "read"))?;
+    if head.len() as u64 > MAX_UTF_16 {
+        let what = format!("is UTF-16 of more than {MAX_UTF_16} bytes");
         return Err(Error::input(path, None, what, "save it as UTF-8"));
     }
     Ok(Box::new(Cursor::new(utf8(head))))

@@ -8,9 +8,9 @@ use std::path::Path;
 use crate::text::excerpt;
 
 /// Most names of a folder that are compared.
-const MOST_NAMES: usize = 10_000;
+const MAX_NAMES: usize = 10_000;
 /// Most names that are shown.
-const MOST_SHOWN: usize = 3;
+const MAX_SHOWN: usize = 3;
 
 /// Returns the part of a path that exists and similar names, in words that continue "cannot read
 /// PATH: ".
@@ -46,7 +46,7 @@ fn alike(wanted: &OsStr, folder: &Path, file: bool) -> Vec<String> {
     let most = (wanted.chars().count() / 3).max(2);
     let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
     let mut near: Vec<(usize, String)> = entries
-        .take(MOST_NAMES)
+        .take(MAX_NAMES)
         .flatten()
         // Only a folder can stand for a missing folder; anything may stand for a missing file.
         .filter(|entry| file || entry.path().is_dir())
@@ -60,7 +60,7 @@ fn alike(wanted: &OsStr, folder: &Path, file: bool) -> Vec<String> {
         })
         .collect();
     near.sort_unstable();
-    near.truncate(MOST_SHOWN);
+    near.truncate(MAX_SHOWN);
     near.into_iter().map(|(_, name)| name).collect()
 }
 

@@ -153,12 +153,12 @@ pub(crate) fn select(
 /// Returns the name that a misspelt one most likely stands for; the first of equally similar names.
 pub(crate) fn nearest<'n>(name: &str, others: &[&'n str]) -> Option<&'n str> {
     /// Least similarity: names below it are other names.
-    const LEAST_ALIKE: f64 = 0.6;
+    const MIN_ALIKE: f64 = 0.6;
     let name = name.to_lowercase();
     let mut best: Option<(f64, &str)> = None;
     for other in others {
         let alike = strsim::normalized_damerau_levenshtein(&name, &other.to_lowercase());
-        if alike >= LEAST_ALIKE && best.is_none_or(|(most, _)| alike > most) {
+        if alike >= MIN_ALIKE && best.is_none_or(|(most, _)| alike > most) {
             best = Some((alike, other));
         }
     }

@@ -13,7 +13,7 @@ const UPRIGHT: f64 = 0.1;
 
 /// Bins of lengths from 2^-16 m on, a quarter of an octave each: up to 2^32 m.
 const BINS: usize = 192;
-const LEAST_EXPONENT: f64 = -16.0;
+const MIN_EXPONENT: f64 = -16.0;
 const BINS_AN_OCTAVE: f64 = 4.0;
 
 /// Extent of a file of a scene.
@@ -83,7 +83,7 @@ impl Default for Lengths {
 
 impl Lengths {
     fn add(&mut self, length: f64, area_m2: f64) {
-        let bin = ((length.log2() - LEAST_EXPONENT) * BINS_AN_OCTAVE).clamp(0.0, (BINS - 1) as f64);
+        let bin = ((length.log2() - MIN_EXPONENT) * BINS_AN_OCTAVE).clamp(0.0, (BINS - 1) as f64);
         if let Some(area) = self.area_m2.get_mut(bin as usize) {
             *area += area_m2;
         }
@@ -96,7 +96,7 @@ impl Lengths {
             sum += area;
             sum >= half && half > 0.0
         })?;
-        Some((LEAST_EXPONENT + (bin as f64 + 0.5) / BINS_AN_OCTAVE).exp2())
+        Some((MIN_EXPONENT + (bin as f64 + 0.5) / BINS_AN_OCTAVE).exp2())
     }
 }
 

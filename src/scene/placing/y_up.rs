@@ -19,12 +19,12 @@ const SLOPING: f64 = 0.996;
 /// Least part of the unit normal along z of a wall of a model with y up.
 const WALL: f64 = 0.3;
 /// Least share of the area that slopes, of a model with slopes.
-const LEAST_SLOPES: f64 = 0.01;
+const MIN_SLOPES: f64 = 0.01;
 /// Least mean part of the sloping normals along y, and greatest along z, of a model with y up.
 const MEAN_UP: f64 = 0.3;
 const MEAN_ASIDE: f64 = 0.05;
 /// Least share of the area of such walls.
-const LEAST_WALLS: f64 = 0.02;
+const MIN_WALLS: f64 = 0.02;
 /// Part of the height by which a model stands above its zero.
 const AT_ZERO: f64 = 1e-3;
 
@@ -74,10 +74,10 @@ fn sign_of_y_up(triangles: impl Iterator<Item = [DVec3; 3]> + Clone, header: Opt
         along_y.add(normal.y, area.length());
         along_z.add(normal.z, area.length());
     }
-    if along_y.all_m2.max(along_z.all_m2) > LEAST_SLOPES * all_m2 {
+    if along_y.all_m2.max(along_z.all_m2) > MIN_SLOPES * all_m2 {
         let is_on_side = along_y.sum_m2 > MEAN_UP * along_y.all_m2
             && along_z.sum_m2.abs() <= MEAN_ASIDE * along_z.all_m2
-            && walls_m2 > LEAST_WALLS * all_m2;
+            && walls_m2 > MIN_WALLS * all_m2;
         return is_on_side.then_some("its sloping faces look towards y, as roofs do where y points up");
     }
     let (low, high) = bounds(triangles.flatten());

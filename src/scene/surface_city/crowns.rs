@@ -7,7 +7,7 @@ use crate::surface_city::floor::{Floor, Moved, around, cell_of, surface_of};
 use crate::surface_city::lattice::{Lattice, STEPS, Spot, beside};
 use crate::surface_city::layers::Layers;
 use crate::surface_city::outlines::GROUND;
-use crate::surface_city::standing::LEAST_CROWN_M;
+use crate::surface_city::standing::MIN_CROWN_M;
 use crate::surface_city::writer::{Corner, FaceOf, Writer};
 use crate::surface_rasters::SurfaceRasters;
 use heliotile_core::error::Result;
@@ -42,7 +42,7 @@ pub(super) fn write(
     options: &SurfaceRasters,
 ) -> Result<usize> {
     let Some(crown) = &layers.crown else { return Ok(0) };
-    let belongs = |cell: Spot| crown.at(cell) >= LEAST_CROWN_M && pieces.at(cell) == GROUND;
+    let belongs = |cell: Spot| crown.at(cell) >= MIN_CROWN_M && pieces.at(cell) == GROUND;
     let (piece, list) = pieces.pieces(belongs, |_, _| true);
     if list.is_empty() {
         return Ok(0);

@@ -14,7 +14,7 @@ pub(super) const NO_CLASS: u16 = u16::MAX;
 
 /// Most cells of a surface: its cells, corners and labels take some 100 bytes each while it becomes
 /// a city.
-pub(crate) const MOST_CELLS: u64 = 1 << 25;
+pub(crate) const MAX_CELLS: u64 = 1 << 25;
 
 /// A raster in its place, and its file for messages.
 pub(crate) struct Layer<'a> {
@@ -119,11 +119,11 @@ pub(super) fn resampled(raster: Raster, grid: Grid) -> Raster {
 /// Checks that a surface is not too large to become a city at once.
 fn check_size(file: &Path, grid: &Grid) -> Result<()> {
     let cells = grid.columns as u64 * grid.rows as u64;
-    if cells <= MOST_CELLS {
+    if cells <= MAX_CELLS {
         return Ok(());
     }
     let (columns, rows) = (grid.columns, grid.rows);
-    let what = format!("{columns} x {rows} cells are more than the {MOST_CELLS} that become a city at once");
+    let what = format!("{columns} x {rows} cells are more than the {MAX_CELLS} that become a city at once");
     let hint = "cut the region into parts ({command:partition}), cut the raster (`gdalwarp -te west south east north in.tif out.tif`), or make \
                 it coarser (`gdalwarp -tr 2 2 -r average in.tif out.tif`)";
     Err(Error::input(file, None, what, hint))

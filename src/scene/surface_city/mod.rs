@@ -55,7 +55,7 @@ use straight::{Drawing, Polyline, straightened};
 use writer::Writer;
 
 use crate::geometry::Geometry;
-use crate::surface_rasters::{LEAST_STEP_M, SurfaceRasters};
+use crate::surface_rasters::{MIN_STEP_M, SurfaceRasters};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::scene_object::ObjectNote;
 use heliotile_core::text::{Message, counted};
@@ -307,7 +307,7 @@ fn feet(standing: &Standing, chains: &[Chain], roofs: &Roofs, floor: &Floor) -> 
                 .map(|below| cells.iter().map(|cell| below.at(*cell)).fold(f32::INFINITY, f32::min));
             let found = below.unwrap_or(all);
             let lowest = roofs.list.iter().map(|roof| roof.plane.height).fold(f64::INFINITY, f64::min);
-            foot.height = if found.is_finite() { f64::from(found) } else { lowest - LEAST_STEP_M };
+            foot.height = if found.is_finite() { f64::from(found) } else { lowest - MIN_STEP_M };
         }
     }
     feet

@@ -13,7 +13,7 @@ use crate::placing::frame::SiteFrame;
 use crate::reference::Reference;
 use crate::region_part::RegionPart;
 use crate::site::Part;
-use crate::surface_city::layers::{Companions, Layer, MOST_CELLS, check_place, resampled};
+use crate::surface_city::layers::{Companions, Layer, MAX_CELLS, check_place, resampled};
 use crate::surface_city::{City, city};
 use crate::surface_rasters::SurfaceRasters;
 use crate::terrain::raster::{Grid, Raster};
@@ -60,7 +60,7 @@ pub(crate) fn read_surface(
 ) -> Result<SurfaceRead> {
     let Rasters { dsm, with, warnings } = placed(part, dsm, options, frame, system)?;
     let dsm = match within {
-        Some(within) if dsm.raster.heights.len() as u64 > MOST_CELLS => around(dsm, within)?,
+        Some(within) if dsm.raster.heights.len() as u64 > MAX_CELLS => around(dsm, within)?,
         _ => dsm,
     };
     let mut city = city(&dsm, &with, options)?;

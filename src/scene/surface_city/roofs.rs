@@ -34,19 +34,19 @@ const NEARLY: f64 = 1.15;
 /// a margin.
 const ROUNDED: f64 = 0.32;
 /// Least slope of a plane through stairs (6 degrees): level roofs a step apart are two.
-const LEAST_STAIRS: f64 = 0.1;
+const MIN_STAIRS: f64 = 0.1;
 /// Least reach of surroundings where heights are rounded, metres: two stairs of a slope of 0.4.
 const REACH_ROUNDED_M: f64 = 2.0;
 /// Least share of the cells of a level piece within rounding errors of two slopes, for which it is
 /// their ridge.
 const STAIRS_FIT: f64 = 0.9;
 /// Most cells of that reach.
-const MOST_REACH: f64 = 10.0;
+const MAX_REACH: f64 = 10.0;
 /// Least step between heights that makes stairs, metres: smaller ones are below the noise.
-const LEAST_QUANTUM_M: f64 = 0.45;
+const MIN_QUANTUM_M: f64 = 0.45;
 /// Least area of a piece of a roof, m2, and its least number of cells.
-const LEAST_PIECE_M2: f64 = 4.0;
-const LEAST_CELLS: usize = 5;
+const MIN_PIECE_M2: f64 = 4.0;
+const MIN_CELLS: usize = 5;
 /// Least gain in distance for which a cell changes to the plane beside it, metres, and number of
 /// rounds over all cells.
 const NEARER_M: f64 = 0.03;
@@ -76,8 +76,8 @@ impl Roofs {
     /// Returns true if planes were fitted through stairs of heights in steps of `quantum_m`.
     pub(super) fn have_stairs(&self, quantum_m: f64) -> bool {
         let is_one =
-            |roof: &RoofPiece| roof.off_m > 0.5 * ROUNDED * quantum_m && roof.plane.slope.length() > LEAST_STAIRS;
-        quantum_m >= LEAST_QUANTUM_M && self.list.iter().any(is_one)
+            |roof: &RoofPiece| roof.off_m > 0.5 * ROUNDED * quantum_m && roof.plane.slope.length() > MIN_STAIRS;
+        quantum_m >= MIN_QUANTUM_M && self.list.iter().any(is_one)
     }
 
     /// Returns the root mean square of the distances of cells of roofs from their planes, metres.
@@ -134,7 +134,7 @@ impl Growing<'_> {
 
     /// Returns the step between heights, metres, if it makes stairs of slopes, or else 0.
     fn quantum_m(&self) -> f64 {
-        if self.layers.quantum_m >= LEAST_QUANTUM_M { self.layers.quantum_m } else { 0.0 }
+        if self.layers.quantum_m >= MIN_QUANTUM_M { self.layers.quantum_m } else { 0.0 }
     }
 
     fn add(&mut self, number: u32, spot: Spot) {
@@ -161,7 +161,7 @@ impl Growing<'_> {
         // Slopes of smaller cells are noisier, so that the surroundings are some 3 m wide.
         let mut reach = if self.layers.cell_m() < 0.75 { 2 } else { 1 };
         if self.quantum_m() > 0.0 {
-            reach = reach.max((REACH_ROUNDED_M / self.layers.cell_m()).ceil().min(MOST_REACH) as i64);
+            reach = reach.max((REACH_ROUNDED_M / self.layers.cell_m()).ceil().min(MAX_REACH) as i64);
         }
         let (own, height, mut sums) = (self.building.at(spot), self.height(spot), Sums::default());
         let origin = self.layers.middle(spot);
@@ -223,7 +223,7 @@ impl Growing<'_> {
     }
 
     fn least(&self) -> usize {
-        ((LEAST_PIECE_M2 / self.layers.cell_m2()).ceil() as usize).max(LEAST_CELLS)
+        ((MIN_PIECE_M2 / self.layers.cell_m2()).ceil() as usize).max(MIN_CELLS)
     }
 
     /// Gives left cells to the pieces beside them, first the cells near in height. Cells that are
@@ -314,7 +314,7 @@ impl Growing<'_> {
                 let both = rms(&(*one + *two));
                 let apart =
                     ((one.count * rms(one).powi(2) + two.count * rms(two).powi(2)) / (one.count + two.count)).sqrt();
-                let is_level = (*one + *two).plane().slope.length() < LEAST_STAIRS;
+                let is_level = (*one + *two).plane().slope.length() < MIN_STAIRS;
                 let rounded = if is_level { 0.0 } else { ROUNDED * self.quantum_m() };
                 let limit = ONE_PLANE_M.max(NEARLY * apart).max(rounded);
                 if both <= limit && best.is_none_or(|(least, ..)| both / limit < least) {
@@ -349,7 +349,7 @@ impl Growing<'_> {
         for spot in cells.iter().filter(|spot| self.piece.at(**spot) != NONE) {
             members.entry(self.piece.at(*spot)).or_default().push(*spot);
         }
-        let is_level = |plane: &Plane| plane.slope.length() < LEAST_STAIRS;
+        let is_level = |plane: &Plane| plane.slope.length() < MIN_STAIRS;
         for (number, cells) in members {
             if !self.plane(number).is_some_and(|plane| is_level(&plane)) {
                 continue;
@@ -494,7 +494,7 @@ fn whole(layers: &Layers, standing: &Standing, piece: &Lattice<u32>) -> Roofs {
     let building = &standing.building;
     let joins = |piece: &Lattice<u32>, a: Spot, b: Spot| piece.at(a) == piece.at(b) && building.at(a) == building.at(b);
     let (mut numbers, found) = piece.pieces(|spot| piece.at(spot) != NONE, |a, b| joins(piece, a, b));
-    for cells in found.iter().filter(|cells| cells.len() < LEAST_CELLS) {
+    for cells in found.iter().filter(|cells| cells.len() < MIN_CELLS) {
         let mut sides: BTreeMap<u32, usize> = BTreeMap::new();
         for spot in cells {
             for other in STEPS.map(|step| beside(*spot, step)) {

@@ -13,8 +13,8 @@ use crate::surface_city::outlines::{FIRST_ROOF, Link};
 use crate::surface_city::straight::Polyline;
 
 /// Least and largest area of a drawn piece, as shares of the area of its cells.
-const LEAST_AREA: f64 = 0.5;
-const MOST_AREA: f64 = 1.6;
+const MIN_AREA: f64 = 0.5;
+const MAX_AREA: f64 = 1.6;
 
 /// Rings by piece, and the number of cells of each piece.
 pub(super) struct Rings<'a> {
@@ -40,7 +40,7 @@ impl<'a> Rings<'a> {
             let plans: Vec<Vec<DVec2>> = rings.iter().map(|ring| outline(lines, ring)).collect();
             let drawn: f64 = plans.iter().map(|plan| signed_area_m2(plan)).sum();
             let outlines = plans.iter().filter(|plan| signed_area_m2(plan) > 0.0).count();
-            if !(LEAST_AREA * whole..=MOST_AREA * whole).contains(&drawn) || outlines != 1 {
+            if !(MIN_AREA * whole..=MAX_AREA * whole).contains(&drawn) || outlines != 1 {
                 found.extend(rings.iter().flatten().map(|link| link.chain));
                 continue;
             }

@@ -1,7 +1,7 @@
 //! Cells of buildings. In: heights of surface and ground, crowns, land cover. Out: the building of
 //! each cell, and the height of the ground on all others.
 //!
-//! With a raster of the ground a cell stands if the surface is more than [`LEAST_STEP_M`] above it;
+//! With a raster of the ground a cell stands if the surface is more than [`MIN_STEP_M`] above it;
 //! with a land cover code of buildings half of that is enough. Without such a raster, cells without
 //! a step between them are connected, and a piece of them stands if it is the higher one on more
 //! than half of the length of its steps: streets and courts lie lower than their surroundings,
@@ -16,10 +16,10 @@ use std::collections::BTreeMap;
 use crate::surface_city::landcover;
 use crate::surface_city::lattice::{Lattice, STEPS, Spot, beside};
 use crate::surface_city::layers::Layers;
-use crate::surface_rasters::{LEAST_STEP_M, SurfaceRasters};
+use crate::surface_rasters::{MIN_STEP_M, SurfaceRasters};
 
 /// Least height of a crown, metres: lower ones are hedges and noise.
-pub(super) const LEAST_CROWN_M: f32 = 1.0;
+pub(super) const MIN_CROWN_M: f32 = 1.0;
 
 /// Largest difference between a surface and the top of a crown that it shows, metres.
 const SAME_AS_CROWN_M: f32 = 1.5;
@@ -78,9 +78,9 @@ pub(super) fn standing(layers: &Layers, options: &SurfaceRasters) -> Standing {
     for spot in stands.spots().filter(|spot| building.at(*spot) == u32::MAX) {
         let (surface, known) = (layers.surface.at(spot), layers.ground.as_ref().map(|ground| ground.at(spot)));
         let bare = known.filter(|known| !known.is_nan());
-        let is_small = small.at(spot) || layers.crown.as_ref().is_some_and(|crown| crown.at(spot) >= LEAST_CROWN_M);
+        let is_small = small.at(spot) || layers.crown.as_ref().is_some_and(|crown| crown.at(spot) >= MIN_CROWN_M);
         let height = match bare {
-            Some(bare) if is_small || surface.is_nan() || surface < bare - LEAST_STEP_M as f32 => bare,
+            Some(bare) if is_small || surface.is_nan() || surface < bare - MIN_STEP_M as f32 => bare,
             _ if small.at(spot) && layers.ground.is_none() => f32::NAN,
             _ => surface,
         };
@@ -125,8 +125,8 @@ fn above_ground(layers: &Layers) -> Lattice<bool> {
         let class = layers.class.as_ref().map(|class| class.at(spot));
         let crown = layers.crown.as_ref().map_or(0.0, |crown| crown.at(spot));
         let is_built = class == Some(landcover::BUILDINGS);
-        let is_crown = !is_built && crown >= LEAST_CROWN_M && (above - crown).abs() < SAME_AS_CROWN_M;
-        let least = if is_built { 0.5 } else { 1.0 } * LEAST_STEP_M as f32;
+        let is_crown = !is_built && crown >= MIN_CROWN_M && (above - crown).abs() < SAME_AS_CROWN_M;
+        let least = if is_built { 0.5 } else { 1.0 } * MIN_STEP_M as f32;
         stands.set(spot, above > least && !is_crown);
     }
     stands

@@ -24,9 +24,9 @@ const OFF_LINE: f64 = 0.75;
 /// is drawn.
 const OFF_RIDGE: f64 = 2.0;
 /// Least difference between the slopes of planes that meet in a line that cells show.
-const LEAST_BEND: f64 = 0.08;
+const MIN_BEND: f64 = 0.08;
 /// Largest movement of a corner, cells.
-const MOST_MOVED: f64 = 1.5;
+const MAX_MOVED: f64 = 1.5;
 /// Weight that holds a corner in the direction that no line determines, and weight for lines that
 /// nearly run alike.
 const HELD: f64 = 1e-3;
@@ -166,7 +166,7 @@ fn meeting(place: DVec2, lines: &[Line], cell: f64) -> DVec2 {
         }
         DVec2::new(by.x * yy - by.y * xy, by.y * xx - by.x * xy) / (xx * yy - xy * xy)
     };
-    let near = |moved: &DVec2| moved.length() <= MOST_MOVED * cell;
+    let near = |moved: &DVec2| moved.length() <= MAX_MOVED * cell;
     let moved = Some(held(HELD)).filter(near).or_else(|| Some(held(HELD_FAST)).filter(near));
     place + moved.unwrap_or_default()
 }
@@ -174,7 +174,7 @@ fn meeting(place: DVec2, lines: &[Line], cell: f64) -> DVec2 {
 /// Returns the line in which two planes meet, if it runs along a chain.
 fn ridge(places: &[DVec2], a: Plane, b: Plane, cell: f64) -> Option<Line> {
     let bend = a.slope - b.slope;
-    if bend.length() < LEAST_BEND {
+    if bend.length() < MIN_BEND {
         return None;
     }
     let off = |place: DVec2| (a.at(place) - b.at(place)) / bend.length();
@@ -223,13 +223,13 @@ fn stretches(places: &[DVec2], cell: f64) -> Vec<Stretch> {
 
 /// Moves cuts by a few sides to where the lines on both sides fit best.
 fn settle(stretches: &mut [Range<usize>], squares: impl Fn(&Range<usize>) -> f64) {
-    const MOST: usize = 3;
+    const MAX: usize = 3;
     for i in 1..stretches.len() {
         let Some([one, two]) = stretches.get_mut(i - 1..=i).and_then(|pair| pair.first_chunk_mut::<2>()) else {
             continue;
         };
-        let low = (one.start + 1).max(one.end.saturating_sub(MOST));
-        let high = (two.end - 1).min(one.end + MOST);
+        let low = (one.start + 1).max(one.end.saturating_sub(MAX));
+        let high = (two.end - 1).min(one.end + MAX);
         let cost = |at: usize| squares(&(one.start..at)) + squares(&(at..two.end));
         let now = cost(one.end);
         let best = (low..=high).map(|at| (cost(at), at)).min_by(|a, b| a.0.total_cmp(&b.0));

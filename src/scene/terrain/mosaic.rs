@@ -13,7 +13,7 @@ const SAME_PLACE: f64 = 0.01;
 
 /// Largest ratio of the samples of a joined grid to those of its tiles: tiles along a valley leave
 /// most of such a grid empty.
-const MOST_TIMES: u64 = 4;
+const MAX_TIMES: u64 = 4;
 
 /// A raster and its file; the first file if several were joined.
 pub(crate) struct Tile<'p> {
@@ -115,7 +115,7 @@ fn joined_grid(group: &[Placed]) -> Option<Grid> {
     }
     let [columns, rows] = [high[0] - low[0], high[1] - low[1]].map(|count| count as u64);
     let samples: u64 = group.iter().map(|tile| tile.raster.heights.len() as u64).sum();
-    let all = columns.checked_mul(rows).filter(|all| *all <= MAX_SAMPLES && *all <= MOST_TIMES * samples)?;
+    let all = columns.checked_mul(rows).filter(|all| *all <= MAX_SAMPLES && *all <= MAX_TIMES * samples)?;
     let step = first.grid.step;
     let north_west = first.grid.first + DVec2::new(low[0] as f64, -(low[1] as f64)) * step;
     let grid = Grid { columns: columns as usize, rows: rows as usize, first: north_west, step };

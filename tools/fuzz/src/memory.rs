@@ -4,7 +4,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Inputs have at most 64 KiB, blocks 8 MiB.
-const MOST: usize = 256 << 20;
+const MAX: usize = 256 << 20;
 
 struct Counted;
 
@@ -12,7 +12,7 @@ static HELD: AtomicUsize = AtomicUsize::new(0);
 
 fn hold(size: usize) {
     let held = HELD.fetch_add(size, Ordering::Relaxed) + size;
-    if held > MOST {
+    if held > MAX {
         // So that the message itself can be allocated.
         HELD.store(0, Ordering::Relaxed);
         eprintln!("ERROR: the target holds {held} bytes, {size} of them asked for now");

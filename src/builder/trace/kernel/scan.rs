@@ -31,7 +31,7 @@ enum Known {
 }
 
 /// Largest number of candidates of a part: some ten times those of a city's skyline.
-const MOST: u32 = 512;
+const MAX: u32 = 512;
 
 /// Largest number of nodes that a walk enters. A broad or flat beam over a large map would visit
 /// nodes that its rays, which end at near surfaces, never reach.
@@ -187,7 +187,7 @@ impl ScanSpace {
                 count += kept;
                 let done = if covered {
                     Some((Known::Covered, first.map_or(0, |rays| rays.wanted)))
-                } else if count > MOST || entered > ENTERED {
+                } else if count > MAX || entered > ENTERED {
                     Some((Known::Unlisted, 0))
                 } else if let Some(rays) = first {
                     met = sixteen.met(l, tree, rays, met);

@@ -8,7 +8,7 @@ use crate::archive::tables::{Flaw, column, is_share, table};
 use crate::site::bands::{Band, BandOptics, BandProperty};
 
 /// Largest number of values of all materials.
-const MOST_VALUES: usize = MAX_MATERIALS * (BandProperty::ALL.len() * Band::ALL.len() + 1);
+const MAX_VALUES: usize = MAX_MATERIALS * (BandProperty::ALL.len() * Band::ALL.len() + 1);
 
 /// Property code of an emissivity: the code after those of [`BandProperty`].
 const EMISSIVITY: u8 = 3;
@@ -72,7 +72,7 @@ impl BandsTable {
     }
 
     fn check(&self) -> Result<(), Flaw> {
-        let (rows, most) = (self.rows(), MOST_VALUES);
+        let (rows, most) = (self.rows(), MAX_VALUES);
         if rows == 0 || rows > most {
             return Err(Flaw::new(format!("{rows} values"), format!("1 to {most}")));
         }

@@ -4,7 +4,7 @@ use rkyv::{Archive, Deserialize, Serialize};
 
 use crate::archive::format::{MAX_MATERIALS, SCENE};
 use crate::archive::tables::{Flaw, column, table};
-use crate::site::grid::MOST_M;
+use crate::site::grid::MAX_M;
 
 /// Table of the triangles of a chunk, a row each, and of their vertices, schema 1. Chunks hold the
 /// scene's triangles in its order, each with its own vertices.
@@ -37,7 +37,7 @@ impl GeometryTable {
         if vertices > rows.saturating_mul(3) {
             return Err(Flaw::new(format!("{vertices} vertices"), format!("3 at most for each of {rows} triangles")));
         }
-        let near = |vertex: &[f32; 3]| vertex.iter().all(|x| f64::from(x.abs()) <= MOST_M);
+        let near = |vertex: &[f32; 3]| vertex.iter().all(|x| f64::from(x.abs()) <= MAX_M);
         column("vertex", &self.vertex, vertices, "2^20 m from the origin at most", near)?;
         let there = |corners: &[u32; 3]| corners.iter().all(|&corner| (corner as usize) < vertices);
         column("corner", &self.corner, rows, "rows of the vertices", there)?;

@@ -11,7 +11,7 @@ use crate::site::receiver::Receiver;
 
 /// Largest distance between the planes of a point, metres: they may stand apart as instruments on a
 /// mast do.
-const MOST_APART_M: f64 = 1.0;
+const MAX_APART_M: f64 = 1.0;
 
 /// Largest error of the cosines of angles between planes: eight degrees.
 const COSINE: f64 = 0.01;
@@ -131,7 +131,7 @@ fn are_planes(planes: &SixPlanes<Plane>) -> bool {
     let sides = [(north, east), (east, south), (south, west), (west, north)];
     let turn_right = sides.iter().all(|(one, next)| next.cross(*one).z > 1.0 - COSINE);
     let all = [planes.up, planes.down].into_iter().chain(planes.sides);
-    let is_near = |plane: Plane| plane.position.distance(planes.up.position) <= MOST_APART_M;
+    let is_near = |plane: Plane| plane.position.distance(planes.up.position) <= MAX_APART_M;
     turn_right
         && planes.up.normal.z > 1.0 - COSINE
         && planes.down.normal.z < COSINE - 1.0

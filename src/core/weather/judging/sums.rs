@@ -10,20 +10,20 @@ use crate::weather::row::WeatherRow;
 use crate::weather::time::sun::{Location, extraterrestrial_w_m2};
 
 /// Least light of a row that is summed, W/m2. Less light proves nothing.
-const LEAST_LIGHT_W_M2: f64 = 50.0;
+const MIN_LIGHT_W_M2: f64 = 50.0;
 
 /// Least number of such rows in a month.
 const FEWEST_ROWS: usize = 6;
 
 /// Least share of GHI that DNI must explain before a month of zeros is no overcast month.
-const LEAST_DIRECT_SHARE: f64 = 0.1;
+const MIN_DIRECT_SHARE: f64 = 0.1;
 
 /// Least share of GHI that DHI must explain before zeros are missing values. The clearest skies
 /// send 5 %.
-const LEAST_DIFFUSE_SHARE: f64 = 0.03;
+const MIN_DIFFUSE_SHARE: f64 = 0.03;
 
 /// Least ratio of GHI to the light outside the atmosphere that a month without any DNI cannot have.
-const LEAST_CLEARNESS: f64 = 0.45;
+const MIN_CLEARNESS: f64 = 0.45;
 
 /// Largest share of GHI - DHI that direct horizontal light may leave unexplained.
 const LARGEST_HORIZONTAL_REST: f64 = 0.02;
@@ -65,11 +65,11 @@ impl MonthSums {
         }
         let [ghi, dni, dhi] = [0, 1, 2].map(|column| self.states(column));
         let no_ghi = ghi && self.ghi == 0.0;
-        let clear = self.ghi > LEAST_CLEARNESS * self.outside;
+        let clear = self.ghi > MIN_CLEARNESS * self.outside;
         let no_dni = ghi && !no_ghi && dni && self.dni == 0.0;
-        let no_dni = no_dni && if dhi { self.ghi - self.dhi > LEAST_DIRECT_SHARE * self.ghi } else { clear };
+        let no_dni = no_dni && if dhi { self.ghi - self.dhi > MIN_DIRECT_SHARE * self.ghi } else { clear };
         let no_dhi = ghi && !no_ghi && dhi && self.dhi == 0.0;
-        let no_dhi = no_dhi && (!dni || self.ghi - self.direct > LEAST_DIFFUSE_SHARE * self.ghi);
+        let no_dhi = no_dhi && (!dni || self.ghi - self.direct > MIN_DIFFUSE_SHARE * self.ghi);
         [no_ghi, no_dni, no_dhi]
     }
 }
@@ -78,7 +78,7 @@ fn months(rows: &[RawRow], site: &Location) -> BTreeMap<Month, MonthSums> {
     let mut all = BTreeMap::<Month, MonthSums>::new();
     for row in rows {
         let [ghi, dni, dhi] = [row.ghi, row.dni, row.dhi].map(Option::unwrap_or_default);
-        if ghi.max(dni).max(dhi) <= LEAST_LIGHT_W_M2 {
+        if ghi.max(dni).max(dhi) <= MIN_LIGHT_W_M2 {
             continue;
         }
         let sine = site.sun(row.interval.date, row.interval.middle_min()).z.max(0.0);
@@ -169,7 +169,7 @@ pub fn drop_horizontal_dni(path: &Path, rows: &mut [RawRow], site: &Location) ->
     let (mut count, mut direct, mut as_horizontal, mut as_normal) = (0, 0.0, 0.0, 0.0);
     for row in rows.iter() {
         let (Some(ghi), Some(dni), Some(dhi)) = (row.ghi, row.dni, row.dhi) else { continue };
-        if ghi <= LEAST_LIGHT_W_M2 || dni <= 0.0 {
+        if ghi <= MIN_LIGHT_W_M2 || dni <= 0.0 {
             continue;
         }
         let sine = site.sun(row.interval.date, row.interval.middle_min()).z.max(0.0);
@@ -180,7 +180,7 @@ pub fn drop_horizontal_dni(path: &Path, rows: &mut [RawRow], site: &Location) ->
     }
     let is_horizontal = count >= FEWEST_ROWS
         && as_horizontal <= LARGEST_HORIZONTAL_REST * direct
-        && as_normal > LEAST_DIRECT_SHARE * direct;
+        && as_normal > MIN_DIRECT_SHARE * direct;
     if !is_horizontal {
         return None;
     }
@@ -204,7 +204,7 @@ pub fn month_warning(path: &Path, raw: &[RawRow], done: &[&WeatherRow]) -> Optio
     let mut months = BTreeMap::<Month, (usize, f64, f64)>::new();
     for (raw, row) in raw.iter().zip(done) {
         let (Some(ghi), Some(_), Some(_)) = (raw.ghi, raw.dni, raw.dhi) else { continue };
-        if ghi.max(row.dhi_w_m2) > LEAST_LIGHT_W_M2 {
+        if ghi.max(row.dhi_w_m2) > MIN_LIGHT_W_M2 {
             let sums = months.entry((row.interval.date.year, row.interval.date.month)).or_default();
             sums.0 += 1;
             sums.1 += kwh_from_w(ghi, row.interval.hours());

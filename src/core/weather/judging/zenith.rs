@@ -15,7 +15,7 @@ const FEWEST_ROWS: usize = 6;
 const LARGEST_RMS_DEG: f64 = 1.0;
 
 /// Least ratio of the next larger RMS to the one that is taken.
-const LEAST_RATIO: f64 = 3.0;
+const MIN_RATIO: f64 = 3.0;
 
 /// Returns the place of time stamps in their intervals. An angle of the moment of the stamp belongs
 /// to values of this moment, which stand for the interval around it; an angle of half a step later
@@ -47,5 +47,5 @@ pub fn place_by_zenith(
     let mut all = places.map(|(place, share)| (rms(share), place));
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
     let [(best, place), (next, _), _] = all;
-    (best <= LARGEST_RMS_DEG && next > LEAST_RATIO * best).then_some(place)
+    (best <= LARGEST_RMS_DEG && next > MIN_RATIO * best).then_some(place)
 }

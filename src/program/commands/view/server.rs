@@ -25,7 +25,7 @@ pub const AFTER: &str = "after.helio";
 pub const WEATHER: &str = "weather";
 
 /// Largest answer that is passed on from a remote archive, bytes.
-const MOST: u64 = 16 << 20;
+const MAX: u64 = 16 << 20;
 
 /// Contents of the server; every other address is not found.
 pub struct Served {
@@ -108,7 +108,7 @@ async fn part_of(files: &HashMap<String, PathBuf>, request: Request) -> Response
     }
 }
 
-/// Serves a range of a remote archive, at most [`MOST`] bytes. Requests without a range are
+/// Serves a range of a remote archive, at most [`MAX`] bytes. Requests without a range are
 /// refused.
 async fn passed_on(bytes: Arc<dyn ReadAt>, headers: HeaderMap) -> Response {
     let length = bytes.length();
@@ -118,7 +118,7 @@ async fn passed_on(bytes: Arc<dyn ReadAt>, headers: HeaderMap) -> Response {
     };
     let range = first.parse().ok().zip(if last.is_empty() { Some(u64::MAX) } else { last.parse().ok() });
     let range = range.map(|(first, last): (u64, u64)| {
-        (first, last.min(length.saturating_sub(1)).min(first.saturating_add(MOST - 1)))
+        (first, last.min(length.saturating_sub(1)).min(first.saturating_add(MAX - 1)))
     });
     let Some((first, last)) = range.filter(|(first, last)| first <= last) else {
         return (StatusCode::RANGE_NOT_SATISFIABLE, [(header::CONTENT_RANGE, format!("bytes */{length}"))])

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use crate::outputs::pictures::colours::inferno;
 
 /// Largest number of classes that can be told apart.
-const MOST_CLASSES: f64 = 20.0;
+const MAX_CLASSES: f64 = 20.0;
 
 /// Beginning and end of the names of materials.
 const NAME: [&str; 2] = ["irradiation ", " kWh/m2"];
@@ -25,7 +25,7 @@ impl Theme {
 
     /// Returns at most 20 classes; their width is 1, 2 or 5 times a power of ten.
     pub fn up_to(largest_kwh_m2: f64) -> Self {
-        let least = (largest_kwh_m2 / MOST_CLASSES).max(1e-6);
+        let least = (largest_kwh_m2 / MAX_CLASSES).max(1e-6);
         let power = 10_f64.powf(least.log10().floor());
         let factor = [1.0, 2.0, 5.0].into_iter().find(|factor| factor * power >= least * (1.0 - 1e-12));
         let width_kwh_m2 = factor.unwrap_or(10.0) * power;

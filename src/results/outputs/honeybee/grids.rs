@@ -27,7 +27,7 @@ pub struct Grids {
 }
 
 /// Largest number of characters of an identifier: file names are limited to 255 bytes.
-const MOST: usize = 100;
+const MAX: usize = 100;
 
 impl Grids {
     /// Groups receivers, which must come in the same order as their values. A receiver without the
@@ -68,7 +68,7 @@ impl Grids {
 /// Returns a unique name of letters, digits, `_`, `-` and points.
 fn identifier(name: &str, taken: &mut BTreeSet<String>) -> String {
     let letter = |c: char| if c.is_ascii_alphanumeric() || "_-.".contains(c) { c } else { '_' };
-    let plain: String = name.chars().map(letter).take(MOST).collect();
+    let plain: String = name.chars().map(letter).take(MAX).collect();
     // A name of points alone would be a folder.
     let plain = if plain.chars().all(|c| c == '.') { format!("_{plain}") } else { plain };
     let mut tried = plain.clone();

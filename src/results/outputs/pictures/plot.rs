@@ -51,15 +51,15 @@ const MARK: f64 = 4.0;
 /// Largest number of ticks of an axis.
 const TICKS: usize = 8;
 
-/// Smallest size of a picture, pixels: smaller ones have no room for axes. `MOST` is the largest
+/// Smallest size of a picture, pixels: smaller ones have no room for axes. `MAX` is the largest
 /// width or height.
-const LEAST: (u32, u32) = (240, 160);
-const MOST: u32 = 20_000;
+const MIN: (u32, u32) = (240, 160);
+const MAX: u32 = 20_000;
 
 impl Plot {
     /// Returns the picture as SVG; `width` and `height` in pixels.
     pub fn svg(&self, width: u32, height: u32) -> String {
-        let [width, height] = [width.clamp(LEAST.0, MOST), height.clamp(LEAST.1, MOST)].map(f64::from);
+        let [width, height] = [width.clamp(MIN.0, MAX), height.clamp(MIN.1, MAX)].map(f64::from);
         let held = |point: &&(f64, f64)| Scale::holds(point.0, self.x.log) && Scale::holds(point.1, self.y.log);
         let all = || self.series.iter().flat_map(|series| &series.points).filter(held);
         let x = Scale::of(all().map(|point| point.0), self.x.log);

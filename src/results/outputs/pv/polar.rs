@@ -18,7 +18,7 @@ const BELOW: f64 = 70.0;
 const RADIUS: f64 = 200.0;
 const MIDDLE: (f64, f64) = (260.0, 262.0);
 /// Largest loss with a colour of its own, percent: larger losses have the darkest colour, too.
-const MOST_LOSS: f64 = 50.0;
+const MAX_LOSS: f64 = 50.0;
 
 /// Returns the picture of a search as SVG.
 pub fn svg(search: &PointSearch, about: &Provenance) -> String {
@@ -27,7 +27,7 @@ pub fn svg(search: &PointSearch, about: &Provenance) -> String {
     let steepest = tilts.last().copied().unwrap_or(90.0).max(1.0);
     let step = tilts.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max).max(2.0);
     let least = search.rings.iter().flat_map(|(_, values)| values).copied().fold(f64::INFINITY, f64::min);
-    let most_loss = search.loss_percent(least).clamp(1.0, MOST_LOSS);
+    let most_loss = search.loss_percent(least).clamp(1.0, MAX_LOSS);
     let place = |turn: Orientation| at(turn.tilt_deg / (steepest + 0.5 * step), turn.azimuth_deg);
     for (ring, values) in &search.rings {
         let inner = ((ring.tilt_deg - 0.5 * step).max(0.0)) / (steepest + 0.5 * step);

@@ -16,7 +16,7 @@ use heliotile_core::units::tilt_and_azimuth;
 
 /// Largest number of value columns: GIS programs become slow long before file formats reach their
 /// limits.
-const MOST_COLUMNS: usize = 256;
+const MAX_COLUMNS: usize = 256;
 
 /// Number of columns before the values: area, tilt and azimuth.
 pub const FACTS: usize = 3;
@@ -96,13 +96,13 @@ impl MapColumns {
             };
             values.extend(months.iter().map(of_month));
         }
-        if values.len() > MOST_COLUMNS {
+        if values.len() > MAX_COLUMNS {
             let what = message!(
                 "the number of columns of a map, {} of {} components (choose fewer with {{columns}} total, or write a table)",
                 bins.len(),
                 quantities.len()
             );
-            return Err(Error::Limit { what, value: values.len() as u64, max: MOST_COLUMNS as u64 });
+            return Err(Error::Limit { what, value: values.len() as u64, max: MAX_COLUMNS as u64 });
         }
         let has_sum = layout.has_energy && wide != Wide::Each;
         let numbers = facts().chain(values).chain(has_sum.then(|| layout.energy())).collect();

@@ -36,7 +36,7 @@ const SAME_WAY: f64 = 0.017_45;
 const SAME_PLANE_M: f64 = 0.01;
 
 /// Largest number of planes; a surface with more is curved.
-const MOST_PLANES: usize = 512;
+const MAX_PLANES: usize = 512;
 
 /// Largest difference in area between an outline and its pieces, as a share of the pieces' area.
 /// The rounding of its rim may explain more: `RIM_M` times its length.
@@ -104,7 +104,7 @@ pub fn outlines(pieces: Vec<Piece>) -> Vec<MapPolygon> {
         }
         let origin = piece.ring.first().copied().unwrap_or_default();
         let plane = Plane { frame: Frame::of(piece.normal), origin, pieces: Vec::new() };
-        if planes.len() < MOST_PLANES && plane.holds(&piece) {
+        if planes.len() < MAX_PLANES && plane.holds(&piece) {
             planes.push(Plane { pieces: vec![piece], ..plane });
         } else {
             loose.push(piece);

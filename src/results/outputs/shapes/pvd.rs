@@ -17,10 +17,10 @@ use crate::outputs::tables::layout::Layout;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::light::scratch::{Scratch, ScratchSpace};
 
-/// Largest number of files of a series; `MOST_BYTES` are their largest total bytes. Each file holds
+/// Largest number of files of a series; `MAX_BYTES` are their largest total bytes. Each file holds
 /// the whole geometry.
-const MOST_FILES: u64 = 10_000;
-const MOST_BYTES: u64 = 16 << 30;
+const MAX_FILES: u64 = 10_000;
+const MAX_BYTES: u64 = 16 << 30;
 
 /// Memory for the values of bins that are read together, bytes.
 const AT_ONCE: u64 = 64 << 20;
@@ -38,9 +38,9 @@ pub struct Series {
 
 impl Series {
     pub fn new(layout: &Layout, bins: &BinLabels, storage: &dyn ScratchSpace) -> Result<Self> {
-        if bins.len() as u64 > MOST_FILES {
+        if bins.len() as u64 > MAX_FILES {
             let what = "the number of files of a time series (choose fewer with {from} and {to}, or a longer {every})";
-            return Err(Error::Limit { what: what.into(), value: bins.len() as u64, max: MOST_FILES });
+            return Err(Error::Limit { what: what.into(), value: bins.len() as u64, max: MAX_FILES });
         }
         let sources = layout.quantities.iter().map(|one| one.source).collect();
         let names = layout.quantities.iter().map(|one| one.with_ending(ending(layout))).collect();
@@ -109,12 +109,12 @@ pub fn write(
     let each = 24 * facts.corners + 8 * facts.cell_corners + of_cells * facts.cells;
     let bins = series.bins.len() as u64;
     // Each file repeats the geometry, so the total size is checked before anything is written.
-    if each * bins > MOST_BYTES {
+    if each * bins > MAX_BYTES {
         let what = message!(
             "the size in bytes of a time series of {bins} files (choose fewer with {{from}} and {{to}}, a longer {{every}}, {{by}} \
              building or {{receivers}})"
         );
-        return Err(Error::Limit { what, value: each * bins, max: MOST_BYTES });
+        return Err(Error::Limit { what, value: each * bins, max: MAX_BYTES });
     }
     let folder = folder_of(path);
     fs::create_dir_all(&folder).map_err(Error::io(&folder, "create"))?;

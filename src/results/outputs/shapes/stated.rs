@@ -12,9 +12,9 @@ use serde_json::{Map, Value};
 
 /// Largest number of columns: in models with more kinds of attributes, those of most objects are
 /// kept.
-const MOST_COLUMNS: usize = 64;
+const MAX_COLUMNS: usize = 64;
 /// Least share of objects that must have an attribute for it to become a column.
-const LEAST_SHARE: f64 = 0.01;
+const MIN_SHARE: f64 = 0.01;
 
 /// Type of the values of a column of texts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,14 +63,14 @@ impl StatedColumns {
             let own = kind_of(value);
             *kind = Some(kind.map_or(own, |kind| joined(kind, own)));
         }
-        let least = (LEAST_SHARE * objects.len() as f64).ceil() as usize;
+        let least = (MIN_SHARE * objects.len() as f64).ceil() as usize;
         let mut kept: Vec<(&str, usize, TextKind)> = found
             .into_iter()
             .filter(|(_, (count, _))| *count >= least)
             .map(|(name, (count, kind))| (name, count, kind.unwrap_or(TextKind::Text)))
             .collect();
         kept.sort_by(|a, b| b.1.cmp(&a.1).then(a.0.cmp(b.0)));
-        kept.truncate(MOST_COLUMNS);
+        kept.truncate(MAX_COLUMNS);
         kept.sort_by(|a, b| a.0.cmp(b.0));
         let texts = |stated: &Map<String, Value>| -> Vec<String> {
             kept.iter().map(|(name, _, _)| stated.get(*name).map_or(String::new(), text_of)).collect()

@@ -44,7 +44,7 @@ pub enum Digits {
 }
 
 /// Largest number of decimals of [`Digits::Six`].
-const MOST_DECIMALS: f64 = 14.0;
+const MAX_DECIMALS: f64 = 14.0;
 
 impl Digits {
     /// Returns the decimals of a number in text formats; `None` if it has as many as it needs.
@@ -53,7 +53,7 @@ impl Digits {
             Digits::Decimals(count) => Some(count),
             Digits::Thousandths => Some(3),
             Digits::Six if value == 0.0 => Some(0),
-            Digits::Six => Some((5.0 - value.abs().log10().floor()).clamp(0.0, MOST_DECIMALS) as usize),
+            Digits::Six => Some((5.0 - value.abs().log10().floor()).clamp(0.0, MAX_DECIMALS) as usize),
             Digits::Fewest => None,
         }
     }

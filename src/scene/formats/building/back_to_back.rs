@@ -8,7 +8,7 @@ use glam::DVec3;
 use crate::formats::building::frame::area_vector;
 
 /// Most surfaces that are compared in one half-metre cell.
-const MOST_ALIKE: usize = 64;
+const MAX_ALIKE: usize = 64;
 
 /// Returns the indices of the outlines that lie back to back.
 pub(in crate::formats) fn back_to_back<'o>(outlines: impl Iterator<Item = (usize, &'o [DVec3])>) -> HashSet<usize> {
@@ -17,7 +17,7 @@ pub(in crate::formats) fn back_to_back<'o>(outlines: impl Iterator<Item = (usize
     for (i, outline) in outlines {
         let centre = outline.iter().sum::<DVec3>() / outline.len().max(1) as f64;
         let group = at.entry((centre * 2.0).round().as_i64vec3()).or_default();
-        if group.len() < MOST_ALIKE {
+        if group.len() < MAX_ALIKE {
             group.push((i, area_vector(outline)));
         }
     }

@@ -10,7 +10,7 @@ use crate::formats::building::frame::{Frame, area_vector};
 pub(in crate::formats) const ROUNDED_M: f64 = 0.01;
 /// Most comparisons of edges of a wall and its windows; no real wall needs more, and windows of a
 /// wall that does are left out.
-const MOST_COMPARISONS: usize = 20_000_000;
+const MAX_COMPARISONS: usize = 20_000_000;
 
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::formats) enum Fit {
@@ -41,7 +41,7 @@ pub(in crate::formats) fn fit(wall: &Wall, openings: &[&[DVec3]]) -> Vec<Fit> {
     let outline: Vec<DVec2> = wall.outline.iter().map(flat).collect();
     let taken_corners: usize = wall.holes.iter().map(Vec::len).sum();
     let corners = taken_corners + openings.iter().map(|opening| opening.len()).sum::<usize>();
-    if corners.saturating_mul(wall.outline.len() + corners) > MOST_COMPARISONS {
+    if corners.saturating_mul(wall.outline.len() + corners) > MAX_COMPARISONS {
         return vec![Fit::Beyond; openings.len()];
     }
     let normal = right.cross(up);

@@ -11,7 +11,7 @@ use glam::{DVec2, DVec3};
 use crate::formats::building::frame::area_vector;
 
 /// Most faces of a room that is examined: the search takes time with the square of the number.
-const MOST_FACES: usize = 4_000;
+const MAX_FACES: usize = 4_000;
 /// Directions of the rays, oblique to the usual directions of buildings.
 const LINES: [DVec3; 5] = [
     DVec3::new(0.613, 0.377, 0.694),
@@ -50,7 +50,7 @@ enum Facing {
 /// Returns the indices of the faces that look into their room; none if the room is not closed. A
 /// face is its outline, followed by its holes.
 pub(in crate::formats) fn facing_inwards(faces: &[Vec<&[DVec3]>]) -> Vec<usize> {
-    if faces.len() > MOST_FACES {
+    if faces.len() > MAX_FACES {
         return Vec::new();
     }
     let panels: Vec<Option<Panel>> = faces.iter().map(|rings| Panel::of(rings)).collect();

@@ -47,7 +47,7 @@ const NUMBERS: [&str; 7] = [
 
 /// Longest name and value together that are kept, and most bytes kept of one object.
 const LONGEST: usize = 1 << 12;
-const MOST: usize = 1 << 16;
+const MAX: usize = 1 << 16;
 
 /// Attributes of a feature.
 #[derive(Default)]
@@ -60,7 +60,7 @@ impl Attributes {
     /// Adds a value. An attribute with several values keeps them all.
     pub(super) fn add(&mut self, name: &str, value: Value) {
         let length = name.len() + value.as_str().map_or(8, str::len);
-        if name.is_empty() || value == Value::String(String::new()) || length > LONGEST || self.bytes + length > MOST {
+        if name.is_empty() || value == Value::String(String::new()) || length > LONGEST || self.bytes + length > MAX {
             return;
         }
         self.bytes += length;

@@ -9,9 +9,9 @@ use crate::formats::citygml::store::{Lifted, Store};
 
 /// Most corners that are kept, and most corners of objects that wait for referenced geometry: some
 /// 200 MB.
-const MOST_CORNERS: u64 = 1 << 22;
+const MAX_CORNERS: u64 = 1 << 22;
 /// Most ids that are waited for.
-const MOST_IDS: usize = 1 << 18;
+const MAX_IDS: usize = 1 << 18;
 
 /// Geometry that several objects refer to.
 #[derive(Default)]
@@ -55,7 +55,7 @@ impl Library {
         sides.iter_mut().for_each(|side| side.is_reversed ^= place.is_reversed);
         let lifted = store.lift(&sides);
         let corners = self.corners + lifted.corners();
-        if !sides.is_empty() && corners <= MOST_CORNERS {
+        if !sides.is_empty() && corners <= MAX_CORNERS {
             self.corners = corners;
             self.kept.insert(id.to_owned(), lifted);
         }
@@ -84,7 +84,7 @@ impl Library {
     /// objects wait already.
     pub(super) fn wait(&mut self, draft: Draft, missing: Vec<String>) -> Option<Draft> {
         let corners = self.waiting_corners + u64::from(draft.store.corner_count());
-        if corners > MOST_CORNERS || self.wanted.len() + missing.len() > MOST_IDS {
+        if corners > MAX_CORNERS || self.wanted.len() + missing.len() > MAX_IDS {
             return Some(draft);
         }
         self.waiting_corners = corners;

@@ -7,7 +7,7 @@ use crate::formats::cityjson::document::{CityObject, Text};
 
 /// Most steps upwards. Real models need three: a room of a storey of a part of a building. Hostile
 /// ones go in circles.
-const MOST_STEPS: usize = 16;
+const MAX_STEPS: usize = 16;
 
 /// Parent of each object that has one, by name.
 pub(super) struct Parents<'d>(HashMap<&'d str, &'d str>);
@@ -36,7 +36,7 @@ impl<'d> Parents<'d> {
         'd: 's,
     {
         let mut top = id;
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MAX_STEPS {
             match self.0.get(top) {
                 Some(&parent) if parent != top => top = parent,
                 _ => break,

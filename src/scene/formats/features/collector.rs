@@ -24,7 +24,7 @@ use crate::semantics::FaceNote;
 /// Difference of corner heights above which a polygon is not level, metres.
 const LEVEL_M: f64 = 0.01;
 /// Fewest faces of a body: a tetrahedron has four.
-const LEAST_FACES: usize = 4;
+const MIN_FACES: usize = 4;
 
 /// Share of a face's area in plan below which it is upright.
 const UPRIGHT: f64 = 0.02;
@@ -368,7 +368,7 @@ fn are_faces(polygons: &[FeaturePolygon]) -> bool {
         let [low, high] = heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], z| [low.min(z), high.max(z)]);
         high - low > LEVEL_M
     };
-    if polygons.len() < LEAST_FACES || !polygons.iter().any(rises) {
+    if polygons.len() < MIN_FACES || !polygons.iter().any(rises) {
         return false;
     }
     let is_upright = |polygon: &FeaturePolygon| {

@@ -29,10 +29,10 @@ use crate::text::excerpt;
 /// Longest text, geometry or row, bytes: a geometry of 5 million corners.
 const LONGEST: i32 = 128 << 20;
 /// Most bytes that SQLite may hold.
-const MOST_HELD: u64 = 512 << 20;
+const MAX_HELD: u64 = 512 << 20;
 /// Most steps of SQLite's virtual machine, in thousands, before the next row: a row takes three
 /// steps and one a column.
-const MOST_KILOSTEPS: u64 = 20_000;
+const MAX_KILOSTEPS: u64 = 20_000;
 
 /// Longest head of a write-ahead log that holds no change, bytes.
 const EMPTY_LOG: u64 = 32;
@@ -69,10 +69,10 @@ impl Database {
         connection.set_db_config(DbConfig::SQLITE_DBCONFIG_DEFENSIVE, true)?;
         connection.set_limit(Limit::SQLITE_LIMIT_LENGTH, LONGEST)?;
         connection.set_limit(Limit::SQLITE_LIMIT_ATTACHED, 0)?;
-        connection.query_row(&format!("PRAGMA hard_heap_limit = {MOST_HELD}"), [], |_| Ok(()))?;
+        connection.query_row(&format!("PRAGMA hard_heap_limit = {MAX_HELD}"), [], |_| Ok(()))?;
         let kilosteps = Arc::new(AtomicU64::new(0));
         let counted = Arc::clone(&kilosteps);
-        let is_too_long = move || counted.fetch_add(1, Ordering::Relaxed) >= MOST_KILOSTEPS;
+        let is_too_long = move || counted.fetch_add(1, Ordering::Relaxed) >= MAX_KILOSTEPS;
         connection.progress_handler(1000, Some(is_too_long))?;
         Ok(Database { connection, kilosteps })
     }

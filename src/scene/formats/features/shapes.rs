@@ -11,7 +11,7 @@ use super::feature::{Feature, FeaturePolygon};
 use crate::text::excerpt;
 
 /// Most corners of one geometry: the coast of a country has fewer.
-const MOST_CORNERS: usize = 1 << 24;
+const MAX_CORNERS: usize = 1 << 24;
 
 /// Angle of a side that replaces a piece of an arc, radians: 5 degrees, so that a disc loses 0.13
 /// %.
@@ -19,7 +19,7 @@ const STROKE_RAD: f64 = PI / 36.0;
 
 /// Deepest nesting of collections: the crate `geozero` calls itself for each, and files that
 /// programs write have one or two.
-const MOST_NESTED: usize = 32;
+const MAX_NESTED: usize = 32;
 
 /// Collector of the polygons of one geometry.
 #[derive(Default)]
@@ -100,7 +100,7 @@ impl GeomProcessor for Shapes {
         _: usize,
     ) -> Result<()> {
         self.corners += 1;
-        if self.corners > MOST_CORNERS {
+        if self.corners > MAX_CORNERS {
             return Err(GeozeroError::Geometry("a geometry has more than 16 million corners".to_owned()));
         }
         // Some files write missing heights as NaN.
@@ -179,8 +179,8 @@ impl GeomProcessor for Shapes {
 
     fn geometrycollection_begin(&mut self, _: usize, _: usize) -> Result<()> {
         self.nested += 1;
-        if self.nested > MOST_NESTED {
-            return Err(GeozeroError::Geometry(format!("collections are nested more than {MOST_NESTED} deep")));
+        if self.nested > MAX_NESTED {
+            return Err(GeozeroError::Geometry(format!("collections are nested more than {MAX_NESTED} deep")));
         }
         Ok(())
     }
@@ -286,8 +286,8 @@ mod tests {
             let mut shapes = Shapes::default();
             Wkb(bytes).process_geom(&mut shapes).map(|()| shapes.polygons.len())
         };
-        assert_eq!(nested(MOST_NESTED).expect("read"), 1);
-        for depth in [MOST_NESTED + 1, 100_000] {
+        assert_eq!(nested(MAX_NESTED).expect("read"), 1);
+        for depth in [MAX_NESTED + 1, 100_000] {
             let message = nested(depth).expect_err("too deep").to_string();
             assert!(message.contains("nested more than 32 deep"), "{message}");
         }

@@ -156,8 +156,8 @@ impl<'r> Buffers<'r> {
             })?);
         } else if accessor.sparse.is_none() {
             return Err(refuse("has no buffer view, all its values are 0".into()));
-        } else if count > MOST_ZEROS {
-            return Err(refuse(format!("has {count} values and no buffer view, more than {MOST_ZEROS}")));
+        } else if count > MAX_ZEROS {
+            return Err(refuse(format!("has {count} values and no buffer view, more than {MAX_ZEROS}")));
         }
         let replaced = accessor.sparse.as_ref().map(|sparse| self.replaced(index, sparse, count, size)).transpose()?;
         // The values exist in memory, so that a usize counts them.
@@ -231,7 +231,7 @@ struct ViewBytes<'b> {
 
 /// Most values of a sparse accessor without a buffer view: a short file could otherwise ask for all
 /// memory.
-const MOST_ZEROS: u64 = 10_000_000;
+const MAX_ZEROS: u64 = 10_000_000;
 
 impl Bytes<'_> {
     fn all(&self) -> &[u8] {

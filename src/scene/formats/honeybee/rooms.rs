@@ -24,7 +24,7 @@ use heliotile_core::error::{Error, Result};
 const INDOORS: &str = "because they are indoor shades";
 const INWARDS: &str = "faces of closed rooms look inwards and are turned";
 /// Largest tolerance that is used, metres: a larger one says nothing about which points coincide.
-const MOST_ROUNDED_M: f64 = 0.1;
+const MAX_ROUNDED_M: f64 = 0.1;
 
 /// Reads all surfaces of a model.
 pub(super) fn write<'d>(model: &'d Model, file: &Path) -> Result<(Geometry, Materials<'d>)> {
@@ -32,7 +32,7 @@ pub(super) fn write<'d>(model: &'d Model, file: &Path) -> Result<(Geometry, Mate
     let writer =
         Writer { file, geometry: Geometry::default(), materials: Materials::new(model), notes: Notes::default() };
     let tolerance_m = model.tolerance.unwrap_or(0.0) * metres;
-    let mut reader = Reader { metres, rounded_m: tolerance_m.clamp(ROUNDED_M, MOST_ROUNDED_M), writer };
+    let mut reader = Reader { metres, rounded_m: tolerance_m.clamp(ROUNDED_M, MAX_ROUNDED_M), writer };
     reader.read(model)?;
     let Writer { mut geometry, materials, notes, .. } = reader.writer;
     notes.say(file, &mut geometry.warnings);

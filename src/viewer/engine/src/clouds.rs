@@ -17,7 +17,7 @@ use crate::light::Forced;
 const CHANNELS: usize = 4;
 
 /// Largest number of points to a side of a map.
-const MOST: usize = 2048;
+const MAX: usize = 2048;
 
 /// Picture of the shares of light that pass, and its layer if it stands before the sky.
 #[derive(Default)]
@@ -33,7 +33,7 @@ impl Clouds {
     /// horizon.
     pub fn take(&mut self, side: usize, levels: &[u8], map: usize) -> Answered {
         *self = Clouds::default();
-        if map > MOST || side.checked_mul(side).and_then(|all| all.checked_mul(CHANNELS)) != Some(levels.len()) {
+        if map > MAX || side.checked_mul(side).and_then(|all| all.checked_mul(CHANNELS)) != Some(levels.len()) {
             let what = format!("{} levels for {side} x {side} pixels, a map of {map}", levels.len());
             return Err(Failure::new(Kind::Other, what, ""));
         }

@@ -15,11 +15,11 @@ use crate::open::Opened;
 use crate::weather::{LoadedWeather, location};
 
 /// Largest number of points to a side of the disc.
-const MOST: usize = 2048;
+const MAX: usize = 2048;
 
 /// Answers the disc of a receiver, by rows from the top.
 pub fn fisheye(opened: &Opened, weather: Option<&LoadedWeather>, tile: u32, row: usize, side: usize) -> Answered {
-    if !(1..=MOST).contains(&side) {
+    if !(1..=MAX).contains(&side) {
         return Err(Failure::new(Kind::Other, format!("a disc of {side} points a side"), "ask for 1 to 2048"));
     }
     let view = ReceiverView::at(&opened.site, opened.tile(tile)?, row)?;

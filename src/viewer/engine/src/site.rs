@@ -159,7 +159,7 @@ impl Site {
 
 /// Largest number of materials that are listed one by one; if there are more, their classes are
 /// listed.
-const MOST_MATERIALS: usize = 8;
+const MAX_MATERIALS: usize = 8;
 
 /// Returns the names that changes take: groups, and the materials without a group, or their classes
 /// if these materials are many. Names with a reflectance come first, then canopies.
@@ -171,7 +171,7 @@ fn groups(materials: &[Material], diffuse: bool) -> Vec<SiteGroup> {
         let members: Vec<&Material> = materials.iter().filter(|m| m.group.as_deref() == Some(name)).collect();
         (name, members)
     });
-    let rest: Vec<(&str, Vec<&Material>)> = if alone.len() <= MOST_MATERIALS {
+    let rest: Vec<(&str, Vec<&Material>)> = if alone.len() <= MAX_MATERIALS {
         let of_its_own = alone.iter().filter(|material| !named.contains(material.name.as_str()));
         of_its_own.map(|material| (material.name.as_str(), vec![*material])).collect()
     } else {

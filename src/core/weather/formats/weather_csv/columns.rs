@@ -329,7 +329,7 @@ impl Columns {
     pub fn air_to_watts(&self, air: &mut Air, step_s: f64) {
         if self.infrared.is_some_and(|column| column.unit.per_interval) {
             let watts = air.infrared_w_m2.map(|joules| joules / step_s);
-            air.infrared_w_m2 = watts.filter(|watts| (1.0..=MOST_INFRARED_W_M2).contains(watts));
+            air.infrared_w_m2 = watts.filter(|watts| (1.0..=MAX_INFRARED_W_M2).contains(watts));
         }
     }
 
@@ -340,7 +340,7 @@ impl Columns {
         let humidity = self.number(cells, self.humidity, [0.1, 100.0], &mut OutOfRange::default());
         let infrared = match self.infrared.is_some_and(|column| column.unit.per_interval) {
             true => [0.0, f64::MAX],
-            false => [1.0, MOST_INFRARED_W_M2],
+            false => [1.0, MAX_INFRARED_W_M2],
         };
         let nothing = &mut OutOfRange::default();
         Air {
@@ -400,7 +400,7 @@ fn alike(one: Option<Column>, two: Option<Column>) -> bool {
 }
 
 /// Largest infrared radiation, W/m2. A sky as warm as the hottest air sends 786 W/m2.
-const MOST_INFRARED_W_M2: f64 = 800.0;
+const MAX_INFRARED_W_M2: f64 = 800.0;
 
 /// Placeholder for an interval while the step is not yet known.
 const NO_INTERVAL: Interval = Interval { date: Date::OF_DAY_0, start_min: 0.0, end_min: 0.0 };

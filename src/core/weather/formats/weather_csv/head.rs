@@ -67,7 +67,7 @@ pub struct Head {
 
 /// Largest number of lines above the rows. NASA POWER and Solargis have some dozens of lines above
 /// the names.
-const MOST_HEAD_LINES: usize = 200;
+const MAX_HEAD_LINES: usize = 200;
 
 impl Head {
     /// Returns a head that knows only the file.
@@ -114,7 +114,7 @@ impl Head {
         let start = *lines;
         let mut above = Vec::new();
         while let Some(line) = lines.next_line() {
-            if above.len() >= MOST_HEAD_LINES {
+            if above.len() >= MAX_HEAD_LINES {
                 break;
             }
             if self.take_names(&line) && names_are_here(self, lines) {
@@ -195,7 +195,7 @@ impl Head {
             }
             *lines = ahead;
             (self.lines, self.rows_at) = (lines.count, lines.at);
-            if self.lines > MOST_HEAD_LINES {
+            if self.lines > MAX_HEAD_LINES {
                 return Err(Error::input(
                     path,
                     self.lines,

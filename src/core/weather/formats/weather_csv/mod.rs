@@ -198,10 +198,10 @@ impl<'a> Rows<'a> {
         self.rows.push(self.columns.row(&cells, &mut self.odd)?);
         self.zenith_deg.push(self.columns.zenith_deg(&cells));
         if let Some((beam, ghi)) = self.columns.beam_and_ghi(&cells)
-            && beam > LEAST_LIGHT
+            && beam > MIN_LIGHT
         {
             self.beam_above_ghi[0] += 1;
-            self.beam_above_ghi[1] += usize::from(beam > MOST_BEAM_SHARE * ghi);
+            self.beam_above_ghi[1] += usize::from(beam > MAX_BEAM_SHARE * ghi);
         }
         if self.options.with_air {
             self.air.push(self.columns.air(&cells, &mut self.odd));
@@ -384,7 +384,7 @@ impl<'a> Rows<'a> {
     /// irradiance does.
     fn check_beam(&self) -> Result<()> {
         let [lit, above] = self.beam_above_ghi;
-        if above < FEWEST_ABOVE || above as f64 <= LEAST_SHARE_ABOVE * lit as f64 {
+        if above < FEWEST_ABOVE || above as f64 <= MIN_SHARE_ABOVE * lit as f64 {
             return Ok(());
         }
         let name = self.columns.beam_name().unwrap_or_default();
@@ -409,12 +409,12 @@ fn is_sum(record: &ByteRecord) -> bool {
 }
 
 /// Least direct irradiance that is compared with GHI, W/m2.
-const LEAST_LIGHT: f64 = 50.0;
+const MIN_LIGHT: f64 = 50.0;
 /// Largest ratio of direct horizontal irradiance to GHI, with room for errors of instruments.
-const MOST_BEAM_SHARE: f64 = 1.05;
+const MAX_BEAM_SHARE: f64 = 1.05;
 /// Least number of rows, and share of those with direct light, that prove another quantity.
 const FEWEST_ABOVE: usize = 3;
-const LEAST_SHARE_ABOVE: f64 = 0.1;
+const MIN_SHARE_ABOVE: f64 = 0.1;
 
 /// Returns true if whole days are stamped from one step after midnight to midnight.
 fn runs_to_midnight(first_s: i64, last_s: i64, step_min: f64) -> bool {

@@ -32,7 +32,7 @@ const NO_NUMBER: f32 = -9999.0;
 
 /// Largest number of places: they are numbered by 32-bit floats, which are exact for integers up to
 /// this.
-const MOST_PLACES: u64 = 1 << 24;
+const MAX_PLACES: u64 = 1 << 24;
 
 /// Bytes of a vertex with its colour, value and place number.
 const CORNER_BYTES: u64 = 28;
@@ -120,9 +120,9 @@ pub fn write(
 /// Refuses maps that do not fit, before they are written: more places than 32-bit floats can
 /// number, more bytes than a file can have.
 fn check_size(rows: &MapRows, path: &Path) -> Result<()> {
-    if rows.facts.rows > MOST_PLACES {
+    if rows.facts.rows > MAX_PLACES {
         let what = format!("the number of places of {} (write .fgb, or choose fewer receivers)", path.display());
-        return Err(Error::Limit { what: what.into(), value: rows.facts.rows, max: MOST_PLACES });
+        return Err(Error::Limit { what: what.into(), value: rows.facts.rows, max: MAX_PLACES });
     }
     let least = CORNER_BYTES.saturating_mul(rows.facts.corners);
     if least > u64::from(u32::MAX) { Err(too_large(path, least)) } else { Ok(()) }

@@ -34,7 +34,7 @@ const BEHIND: Rgb = [150, 152, 156];
 
 /// Largest width and height of both views together, points. The constants below are the space
 /// around them.
-const MOST: DVec2 = DVec2::new(1340.0, 940.0);
+const MAX: DVec2 = DVec2::new(1340.0, 940.0);
 const MARGIN: f64 = 24.0;
 const HEAD: f64 = 64.0;
 const FOOT: f64 = 92.0;
@@ -46,7 +46,7 @@ const NEARER_M: f64 = 0.05;
 /// Cosine below which a surface is seen edge-on.
 const EDGE_ON: f64 = 0.02;
 /// Least size that is drawn, metres.
-const LEAST_M: f64 = 1.0;
+const MIN_M: f64 = 1.0;
 
 /// Contents of a picture besides rows.
 pub struct Drawn<'a> {
@@ -114,7 +114,7 @@ fn extents(rows: &mut MapRows, views: [View; 2]) -> Result<[[DVec2; 2]; 2]> {
 /// Returns corners with a margin, such that a page has some size whatever it shows.
 fn padded([low, high]: [DVec2; 2]) -> [DVec2; 2] {
     let (low, high) = if low.is_finite() && high.is_finite() { (low, high) } else { (DVec2::ZERO, DVec2::ZERO) };
-    let more = (0.03 * (high - low).max_element()).max(LEAST_M);
+    let more = (0.03 * (high - low).max_element()).max(MIN_M);
     [low - more, high + more]
 }
 
@@ -122,8 +122,8 @@ fn padded([low, high]: [DVec2; 2]) -> [DVec2; 2] {
 /// the page's width and height.
 fn arranged(views: [View; 2], extents: [[DVec2; 2]; 2]) -> ([Panel; 2], f64, f64) {
     let [first, second] = extents.map(|[low, high]| high - low);
-    let beside = (MOST.x / (first.x + second.x)).min(MOST.y / first.y.max(second.y));
-    let above = (MOST.x / first.x.max(second.x)).min(MOST.y / (first.y + second.y));
+    let beside = (MAX.x / (first.x + second.x)).min(MAX.y / first.y.max(second.y));
+    let above = (MAX.x / first.x.max(second.x)).min(MAX.y / (first.y + second.y));
     let scale = beside.max(above);
     let panel = |i: usize, corner: DVec2| Panel {
         view: views[i],
