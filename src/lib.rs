@@ -60,10 +60,10 @@ pub mod book;
 pub mod cases;
 mod site;
 
+pub use heliotile_archives::transfer::{Bounds, Selection};
 pub use heliotile_builder::pipeline::{Output, Start};
 pub use heliotile_builder::planning::{AccuracyRequest, BuildDone, EffectsUnder, PlanReport};
 pub use heliotile_builder::settings::{EffectChoice, Quality, Share};
-pub use heliotile_builder::transfer::{Bounds, Selection};
 pub use heliotile_core::archive::Access;
 pub use heliotile_core::error;
 pub use heliotile_core::error::{Error, Result};
@@ -110,8 +110,8 @@ pub use site::{ReceiverTotal, Site, SiteOptions, SiteReplay};
 
 /// Archives as files: blocks, transfers between archives.
 pub mod archive {
-    pub use heliotile_builder::transfer;
-    pub use heliotile_builder::transfer::{Assembled, LayeredReceiver};
+    pub use heliotile_archives::transfer;
+    pub use heliotile_archives::transfer::{Assembled, LayeredReceiver};
     pub use heliotile_core::archive::accuracy::Accuracy;
     pub use heliotile_core::archive::format::TileNumber;
     pub use heliotile_core::archive::{Archive, Problem, ReadAt, format, tables, verify};
@@ -150,7 +150,7 @@ pub mod materials {
 
 /// Memory of the machine, and scratch space on disk.
 pub mod memory {
-    pub use heliotile_builder::spill::{SystemTemp, check_memory, parse_memory};
+    pub use heliotile_files::spill::{SystemTemp, check_memory, parse_memory};
 }
 
 /// Values that users choose by name.
@@ -160,12 +160,10 @@ pub mod names {
 
 /// Files to write: guards, endings, formats.
 pub mod output {
-    pub use heliotile_builder::writing::claim::{ClaimedOutput, OutputGuard, same_place};
-    pub use heliotile_builder::writing::copy::folder_of;
-    pub use heliotile_builder::writing::guards::{
-        check_archive_name, guard_archive, guard_output, guard_site, is_archive,
-    };
-    pub use heliotile_builder::writing::whole_file::remove_unfinished;
+    pub use heliotile_files::writing::claim::{ClaimedOutput, OutputGuard, same_place};
+    pub use heliotile_files::writing::copy::folder_of;
+    pub use heliotile_files::writing::guards::{check_archive_name, guard_archive, guard_output, is_archive};
+    pub use heliotile_files::writing::whole_file::remove_unfinished;
     pub use heliotile_results::outputs::city_model::is_city_model;
     pub use heliotile_results::outputs::results::ResultFormat;
     pub use heliotile_results::outputs::shapes::writer::MapFormat;
@@ -183,9 +181,10 @@ pub mod remote {
 
 /// Files of the world: input, checks of their options.
 pub mod scene {
-    pub use heliotile_scene::input::weather::read_weather_as;
+    pub use heliotile_files::input;
+    pub use heliotile_files::input::weather::read_weather_as;
+    pub use heliotile_scene::format_of_name;
     pub use heliotile_scene::placing::frame::{check_elevation, check_epsg, check_rotation, check_scale};
-    pub use heliotile_scene::{format_of_name, input};
 }
 
 /// Tables of results.
@@ -202,8 +201,8 @@ pub mod text {
 
 /// Tracing: plans, conditions of accuracy.
 pub mod tracing {
+    pub use heliotile_archives::Workspace;
     pub use heliotile_builder::accuracy::conditions::ErrorConditions;
-    pub use heliotile_builder::pipeline::Workspace;
     pub use heliotile_builder::planning::tables::in_hours;
     pub use heliotile_builder::planning::{PREVIEWS, tables};
     pub use heliotile_builder::trace::Tracer;

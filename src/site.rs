@@ -5,14 +5,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use heliotile_archives::Workspace;
+use heliotile_archives::transfer::{self, Extracted, Selection};
 use heliotile_atlas::Atlas;
 use heliotile_atlas::plan::is_atlas;
 use heliotile_atlas::sources::sources_of;
-use heliotile_builder::pipeline::Workspace;
-use heliotile_builder::transfer::{self, Extracted, Selection};
-use heliotile_builder::writing::claim::OutputGuard;
-use heliotile_builder::writing::copy::folder_of;
-use heliotile_builder::writing::guards::{guard_archive, guard_output, is_archive};
 use heliotile_core::archive::{Access, Archive};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::MemoryBudget;
@@ -20,6 +17,9 @@ use heliotile_core::observer::Observer;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::{Component, ComponentList, ComponentSet};
 use heliotile_core::site::material::Material;
+use heliotile_files::writing::claim::OutputGuard;
+use heliotile_files::writing::copy::folder_of;
+use heliotile_files::writing::guards::{guard_archive, guard_output, is_archive};
 use heliotile_remote::places::open_archive;
 use heliotile_results::{
     Archives, BeforeSide, BinLabels, BuildingsRequest, BuildingsSummary, ComfortDone, ComfortRequest, CompareRequest,

@@ -14,7 +14,7 @@ use crate::opened::Atlas;
 use crate::page::{PARTS, list};
 use crate::state::PartState;
 use crate::thumbnails::Thumbnails;
-use heliotile_builder::held::complete;
+use heliotile_archives::complete;
 use heliotile_core::archive::{Access, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::observer::Observer;

@@ -7,7 +7,7 @@ use glam::DVec2;
 
 use crate::opened::Atlas;
 use crate::state::PartState;
-use heliotile_builder::transfer::Bounds;
+use heliotile_archives::transfer::Bounds;
 use heliotile_core::error::Result;
 
 /// A part of an atlas.

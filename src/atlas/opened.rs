@@ -8,7 +8,7 @@ use glam::DVec2;
 
 use crate::plan::{AtlasPlan, FILE, PlannedPart};
 use crate::state::PartState;
-use heliotile_builder::transfer::Bounds;
+use heliotile_archives::transfer::Bounds;
 use heliotile_core::archive::format::{BlockKind, Entry};
 use heliotile_core::archive::{Access, Archive, format};
 use heliotile_core::error::{Error, Result};

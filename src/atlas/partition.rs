@@ -2,7 +2,7 @@
 //! the halo makes. No part is traced. Files are read one after the other, so that memory is that of
 //! the largest.
 
-use heliotile_builder::spill::parse_memory;
+use heliotile_files::spill::parse_memory;
 use heliotile_requests::Request;
 use std::fs;
 use std::path::PathBuf;
@@ -11,7 +11,7 @@ use crate::listed::parts;
 use crate::plan::{AtlasPlan, CutRequest, FILE, absolute, is_atlas};
 use crate::seam_trial;
 use crate::state::PartState;
-use heliotile_builder::pipeline::Workspace;
+use heliotile_archives::Workspace;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::observer::Observer;

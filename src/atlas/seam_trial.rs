@@ -6,12 +6,13 @@ use std::path::Path;
 
 use crate::plan::{AtlasPlan, PlannedPart};
 use crate::seams::Seams;
+use heliotile_archives::Workspace;
 use heliotile_builder::accuracy::CONDITIONS;
 use heliotile_builder::accuracy::conditions::ErrorConditions;
 use heliotile_builder::accuracy::estimate::percent;
 use heliotile_builder::accuracy::reference_sample::{TOTAL, rounded, with_total};
 use heliotile_builder::accuracy::trial::{Bench, Irradiances};
-use heliotile_builder::pipeline::{PreparedScene, Workspace};
+use heliotile_builder::pipeline::PreparedScene;
 use heliotile_builder::reference::comparison::{Deviation, Pair, deviation, mean_w_m2};
 use heliotile_builder::reference::{PARTS, ReferenceLight};
 use heliotile_core::error::Result;

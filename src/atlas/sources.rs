@@ -4,8 +4,8 @@
 use std::path::Path;
 
 use crate::opened::Atlas;
-use heliotile_builder::pipeline::Workspace;
-use heliotile_builder::transfer::{Bounds, Selection};
+use heliotile_archives::Workspace;
+use heliotile_archives::transfer::{Bounds, Selection};
 use heliotile_core::archive::{Access, Archive};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::Use;

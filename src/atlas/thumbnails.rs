@@ -5,7 +5,7 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
-use heliotile_builder::transfer::{ArchiveReceivers, Shown};
+use heliotile_archives::transfer::{ArchiveReceivers, Shown};
 use heliotile_core::archive::{Access, Archive};
 use heliotile_core::error::Result;
 use heliotile_core::opened::OpenSite;

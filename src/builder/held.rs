@@ -27,15 +27,6 @@ pub fn check_scene(archive: &Archive) -> Result<()> {
     ))
 }
 
-/// Refuses a preview: some of its layers are from before a change of its scene.
-pub fn complete(archive: &Archive) -> Result<()> {
-    if archive.manifest().preview.is_none() {
-        return Ok(());
-    }
-    let what = "the archive is a preview: part of its light is from before its scene was changed";
-    Err(Error::input(archive.path(), None, what, "complete it: give the command that made it, without {preview}"))
-}
-
 /// Returns the scene that an archive was traced from, or an error if the archive does not hold it.
 pub fn held_scene(archive: &Archive) -> Result<TracedScene> {
     check_scene(archive)?;

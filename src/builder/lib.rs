@@ -46,14 +46,10 @@
 
 pub mod accuracy;
 pub mod held;
-pub mod pack;
 pub mod pipeline;
 pub mod planning;
 pub mod receiver_tiles;
 pub mod reference;
 pub mod settings;
 pub mod siting;
-pub mod spill;
 pub mod trace;
-pub mod transfer;
-pub mod writing;

@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
-use crate::spill::{Sorted, Sorter, damaged, number_of};
 use heliotile_core::archive::{Archive, tables};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::content::ContentHasher;
@@ -15,6 +14,7 @@ use heliotile_core::site::morton::{morton_key, receiver_of_key};
 use heliotile_core::site::patch::Patch;
 use heliotile_core::site::receiver::{Receiver, TILE};
 use heliotile_core::text::excerpt;
+use heliotile_files::spill::{Sorted, Sorter, damaged, number_of};
 use heliotile_scene::points::receivers::{ReceiverRows, duplicate, no_receivers};
 
 /// Receivers in Morton order, in temporary files if they exceed the memory budget.

@@ -3,18 +3,18 @@
 use heliotile_core::text::Message;
 use std::path::{Path, PathBuf};
 
+use heliotile_archives::Workspace;
+use heliotile_archives::transfer::{self, Bounds, Merged};
 use heliotile_atlas::ExportRequest;
 use heliotile_atlas::catalogue::CatalogueRequest;
-use heliotile_builder::pipeline::Workspace;
-use heliotile_builder::spill::parse_memory;
-use heliotile_builder::transfer::{self, Bounds, Merged};
-use heliotile_builder::writing::copy::folder_of;
-use heliotile_builder::writing::guards::{guard_archive, guard_output};
 use heliotile_core::archive::Access;
 use heliotile_core::error::Result;
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::observer::Observer;
 use heliotile_core::weather::options::WeatherOptions;
+use heliotile_files::spill::parse_memory;
+use heliotile_files::writing::copy::folder_of;
+use heliotile_files::writing::guards::{guard_archive, guard_output};
 use heliotile_remote::naming::is_address;
 use heliotile_remote::places::open_archive;
 use heliotile_requests::Request;

@@ -3,9 +3,9 @@
 
 use std::path::Path;
 
-use heliotile_builder::writing::claim::OutputGuard;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::text::without_secrets;
+use heliotile_files::writing::claim::OutputGuard;
 use heliotile_requests::{Many, Request, Row, complete, filled};
 use serde_json::{Map, Number, Value};
 

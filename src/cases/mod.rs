@@ -11,12 +11,12 @@ mod tracing;
 
 use std::path::PathBuf;
 
-use heliotile_builder::spill::parse_memory;
-use heliotile_builder::transfer::{Bounds, Selection};
+use heliotile_archives::transfer::{Bounds, Selection};
 use heliotile_core::archive::Access;
 use heliotile_core::error::Result;
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::observer::Observer;
+use heliotile_files::spill::parse_memory;
 use heliotile_requests::Request;
 use heliotile_results::{Provenance, ReceiverChoice};
 

@@ -4,10 +4,8 @@ use std::path::{Path, PathBuf};
 
 use heliotile_builder::planning::{AccuracyRequest, parse_negligible, parse_preview};
 use heliotile_builder::settings::{EffectChoice, Share};
-use heliotile_builder::spill::parse_memory;
 use heliotile_builder::trace::canopy::in_hulls;
 use heliotile_builder::trace::placement::Placement;
-use heliotile_builder::writing::guards::{guard_output, guard_site};
 use heliotile_core::error::Result;
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::observer::Observer;
@@ -15,6 +13,8 @@ use heliotile_core::text::{Message, counted};
 use heliotile_core::units::parse_metres;
 use heliotile_core::weather::options::WeatherOptions;
 use heliotile_energyplus::EnergyplusRequest;
+use heliotile_files::spill::parse_memory;
+use heliotile_files::writing::guards::guard_output;
 use heliotile_requests::Request;
 use heliotile_results::along::{AlongRequest, write_points};
 use heliotile_results::covering::{CoverRequest, Density, cover_site, summary, write};
@@ -22,6 +22,7 @@ use heliotile_results::pv::PvRequest;
 use heliotile_results::{RunRequest, TradeoffRequest, UpdateRequest};
 use heliotile_scene::edit::SceneEdits;
 use heliotile_scene::request::SceneRequest;
+use heliotile_scene::site::guard_site;
 
 /// Request of `run`.
 #[derive(Clone, Debug, Default, Request)]

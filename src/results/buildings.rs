@@ -10,12 +10,12 @@ use super::stream::TileStream;
 use crate::outputs::buildings::{Cadastre, Usable, building_rows, face_rows};
 use crate::outputs::tables::format::table_help;
 use crate::outputs::tables::format::{Format, files_of};
-use heliotile_builder::transfer::Shown;
-use heliotile_builder::writing::claim::same_place;
-use heliotile_builder::writing::guards::guard_output;
+use heliotile_archives::transfer::Shown;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::text::{Message, counted, message};
+use heliotile_files::writing::claim::same_place;
+use heliotile_files::writing::guards::guard_output;
 use heliotile_remote::naming::shown;
 
 /// Hours that are more than a year's. The reader of the weather warns of fewer hours than a year

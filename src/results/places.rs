@@ -14,7 +14,7 @@ use crate::outputs::pv::places::{PlaceCandidate, best_places};
 use crate::outputs::tables::column::Column;
 use crate::outputs::tables::format::table_help;
 use crate::outputs::tables::rows::{Cell, Records};
-use heliotile_builder::transfer::Shown;
+use heliotile_archives::transfer::Shown;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::site::north::North;

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use super::archives::Archives;
-use heliotile_builder::transfer::{ArchiveReceivers, Bounds, LayeredReceiver, Layers, Selection, Shown};
+use heliotile_archives::transfer::{ArchiveReceivers, Bounds, LayeredReceiver, Layers, Selection, Shown};
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::Result;
 use heliotile_core::memory::{MemoryBudget, Use};

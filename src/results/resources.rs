@@ -1,11 +1,11 @@
 //! Resources of a computation: memory, temporary storage, access to files, and the observer.
 
-use heliotile_builder::spill::SystemTemp;
 use heliotile_core::light::scratch::ScratchSpace;
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::observer::{Observer, Silent};
 use heliotile_core::weather::formats::schedule_csv::ReadFile;
-use heliotile_scene::input;
+use heliotile_files::input;
+use heliotile_files::spill::SystemTemp;
 
 /// Memory, temporary storage, access to files, and the observer of a computation.
 #[derive(Clone, Copy)]

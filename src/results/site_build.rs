@@ -12,24 +12,26 @@ use tempfile::TempDir;
 
 use crate::covering::{self, CoverRequest, PlacedReceivers};
 use crate::horizon::black_below_horizon;
-use heliotile_builder::pipeline::{Build, Output, PreparedScene, Start, Workspace, holds_objects};
+use heliotile_archives::Workspace;
+use heliotile_builder::pipeline::{Build, Output, PreparedScene, Start, holds_objects, read_receivers, sort_receivers};
 use heliotile_builder::planning::{AccuracyRequest, BuildDone, BuildRequest, EffectsUnder, PlanReport};
 use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_builder::settings::{BuildSettings, EffectChoice, Effects, Share};
-use heliotile_builder::writing::copy::folder_of;
-use heliotile_builder::writing::guards::{check_archive_name, guard_archive, guard_site};
 use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::{Access, Archive, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::observer::Observer;
 use heliotile_core::site::receiver::Receiver;
+use heliotile_files::writing::copy::folder_of;
+use heliotile_files::writing::guards::{check_archive_name, guard_archive};
 use heliotile_remote::naming::{is_address, shown};
 use heliotile_remote::places::open_archive;
 use heliotile_scene::Scene;
 use heliotile_scene::points::receivers::ReceiverCsv;
 use heliotile_scene::request::SceneRequest;
 use heliotile_scene::site::SceneFiles;
+use heliotile_scene::site::guard_site;
 
 /// Hint for a folder that holds other results.
 pub const KEEP_OR_REPLACE: &str = "give {output} FOLDER to keep both, or {replace} to replace the old results";
@@ -214,11 +216,11 @@ impl<'a> SiteBuild<'a> {
     ) -> Result<(ReceiverTiles, Option<PlannedReceivers>)> {
         let scene = self.scene;
         match self.receivers {
-            ReceiverSource::Table(table) => Ok((workspace.read_receivers(table, scene, observer)?, None)),
-            ReceiverSource::Rows(rows) => Ok((workspace.sort_receivers(rows, scene, observer)?, None)),
+            ReceiverSource::Table(table) => Ok((read_receivers(workspace, table, scene, observer)?, None)),
+            ReceiverSource::Rows(rows) => Ok((sort_receivers(workspace, rows, scene, observer)?, None)),
             ReceiverSource::Placed { placed, offset_m, .. } => {
                 let planned = PlannedReceivers::write(placed, offset_m, folder)?;
-                Ok((workspace.read_receivers(planned.path(), scene, observer)?, Some(planned)))
+                Ok((read_receivers(workspace, planned.path(), scene, observer)?, Some(planned)))
             }
         }
     }

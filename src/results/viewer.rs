@@ -9,17 +9,17 @@ use crate::doubts::check_one_site;
 use crate::outputs::viewer_page::ViewerPage;
 use crate::receivers::ReceiverSet;
 use crate::resources::Resources;
-use heliotile_builder::writing::guards::guard_output;
 use heliotile_core::archive::{Access, Archive};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::observer::Observer;
 use heliotile_core::opened::{OpenSite, ReceiverMatching, ReceiverPlace};
 use heliotile_core::weather::distance::far_apart;
 use heliotile_core::weather::options::WeatherOptions;
+use heliotile_files::input;
+use heliotile_files::input::weather::read_weather_as;
+use heliotile_files::writing::guards::guard_output;
 use heliotile_remote::naming::shown;
 use heliotile_remote::places::{hold, open_archive};
-use heliotile_scene::input;
-use heliotile_scene::input::weather::read_weather_as;
 
 /// Request for a page.
 #[derive(Clone, Debug, Default, Request)]

@@ -53,7 +53,6 @@ mod formats;
 mod geocentric;
 mod geometry;
 mod ground;
-pub mod input;
 mod large_polygon;
 pub mod load;
 pub mod materials;
@@ -62,6 +61,8 @@ pub mod mesh_objects;
 pub mod mirrors;
 mod model_version;
 pub mod objects;
+#[cfg(test)]
+mod packed_tests;
 mod palette;
 pub mod placing;
 mod plan;

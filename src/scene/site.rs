@@ -9,7 +9,6 @@ use serde::Deserialize;
 
 use crate::coordinate::is_position;
 use crate::footprint_options::{FootprintOptions, HeightAbove, HeightSource};
-use crate::input;
 use crate::model_version::ModelVersion;
 use crate::placing::frame::{SiteFrame, UpAxis, check_elevation, check_rotation, check_scale};
 use crate::reference::Reference;
@@ -17,6 +16,8 @@ use crate::region_part::RegionPart;
 use crate::surface_rasters::SurfaceRasters;
 use crate::text::line_of_offset;
 use heliotile_core::error::{Error, Result};
+use heliotile_files::input;
+use heliotile_files::writing::guards::guard_output;
 
 /// Files that make up one scene.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -408,6 +409,12 @@ fn surface(entry: &Entry, folder: &Path) -> std::result::Result<Option<SurfaceRa
             found.with_paths(|path| Ok(folder.join(path))).map(Some)
         }
     }
+}
+
+/// Refuses an output that would replace a file of the scene or another input.
+pub fn guard_site(output: &Path, site: &SceneFiles, others: &[Option<&Path>]) -> Result<()> {
+    let inputs: Vec<&Path> = site.files().chain(others.iter().copied().flatten()).collect();
+    guard_output(output, &inputs)
 }
 
 #[cfg(test)]

@@ -7,12 +7,12 @@ use heliotile_builder::pipeline::{Plan, PreparedScene};
 use heliotile_builder::reference::comparison::{Pair, deviation, mean_w_m2};
 use heliotile_builder::reference::{AuditInputs, Audited, audit};
 use heliotile_builder::settings::{Quality, Rungs};
-use heliotile_builder::spill::TempFiles;
 use heliotile_core::archive::Archive;
 use heliotile_core::archive::accuracy::Accuracy;
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::observer::Silent;
 use heliotile_core::sky::model::SkyModel;
+use heliotile_files::spill::TempFiles;
 use heliotile_scene::Scene;
 use heliotile_scene::site::SceneFiles;
 

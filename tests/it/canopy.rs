@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use glam::DVec3;
+use heliotile_archives::transfer::{Selection, extract, merge};
+use heliotile_archives::writing::{Job, Writer};
 use heliotile_builder::pipeline::BuildReport;
 use heliotile_builder::settings::BuildSettings;
-use heliotile_builder::transfer::{Selection, extract, merge};
-use heliotile_builder::writing::{Job, Writer};
 use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::{Archive, encode, format};
 use heliotile_core::hemisphere::mix;

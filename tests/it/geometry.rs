@@ -4,9 +4,9 @@ use std::fs;
 use std::path::Path;
 
 use glam::DVec3;
+use heliotile_archives::transfer::{Bounds, Selection, diff, extract, merge};
 use heliotile_builder::pipeline::Plan;
 use heliotile_builder::settings::{Quality, Rungs};
-use heliotile_builder::transfer::{Bounds, Selection, diff, extract, merge};
 use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::tables::{GeometryTable, MAX_TRIANGLES, OverviewTable};
 use heliotile_core::archive::{Archive, format, verify};

@@ -4,8 +4,8 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
+use heliotile_archives::writing::{Job, Writer};
 use heliotile_builder::settings::BuildSettings;
-use heliotile_builder::writing::{Job, Writer};
 use heliotile_core::archive::format::{BlockKind, TileNumber};
 use heliotile_core::archive::manifest::Settings;
 use heliotile_core::archive::{Access, Archive, encode, format, verify};

@@ -6,9 +6,9 @@ use std::process::{Child, Command, Output};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use heliotile_archives::writing::{Job, Writer};
 use heliotile_builder::pipeline::{Output as Target, Start};
 use heliotile_builder::settings::BuildSettings;
-use heliotile_builder::writing::{Job, Writer};
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::hemisphere::{mix, unit};
 

@@ -5,10 +5,11 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
+use heliotile_archives::Workspace;
 use heliotile_builder::accuracy::conditions::ErrorConditions;
 use heliotile_builder::accuracy::trial::Bench;
 use heliotile_builder::accuracy::{PilotRequest, SettingsChoice, choose, sample};
-use heliotile_builder::pipeline::{Build, PreparedScene, Workspace};
+use heliotile_builder::pipeline::{Build, PreparedScene};
 use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_builder::settings::Effects;
 use heliotile_core::memory::MemoryBudget;

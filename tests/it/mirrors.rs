@@ -4,10 +4,10 @@
 use std::collections::BTreeMap;
 
 use glam::DVec3;
+use heliotile_archives::writing::{Job, Writer};
 use heliotile_builder::pipeline::ReusedArchives;
 use heliotile_builder::pipeline::{BuildReport, Output, Start};
 use heliotile_builder::settings::BuildSettings;
-use heliotile_builder::writing::{Job, Writer};
 use heliotile_core::archive::format::{Entry, TileNumber};
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::hemisphere::{direction_of, jitter};

@@ -3,9 +3,9 @@
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use heliotile_archives::transfer::{ArchiveReceivers, Bounds, Selection};
+use heliotile_archives::writing::{Job, Writer};
 use heliotile_builder::settings::BuildSettings;
-use heliotile_builder::transfer::{ArchiveReceivers, Bounds, Selection};
-use heliotile_builder::writing::{Job, Writer};
 use heliotile_core::archive::format::{BlockKind, TileNumber};
 use heliotile_core::archive::tables::{ExtentsTable, NamesTable};
 use heliotile_core::archive::{Access, Archive, Block, Blocks, EncodedBlock, format, verify};

@@ -21,8 +21,8 @@ use heliotile_core::site::receiver::Receiver;
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::conditions::Condition;
 use heliotile_core::weather::time::bins::Bins;
+use heliotile_files::input::weather::read_weather;
 use heliotile_scene::Scene;
-use heliotile_scene::input::weather::read_weather;
 
 use crate::scenes::*;
 

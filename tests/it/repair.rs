@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use heliotile_builder::writing::{Job, Writer};
+use heliotile_archives::writing::{Job, Writer};
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::site::north::North;
 use heliotile_scene::Scene;

@@ -19,7 +19,7 @@ use heliotile_core::sky::projection::Projection;
 use heliotile_core::units::direction_from_degrees;
 use heliotile_core::weather::conditions::Condition;
 use heliotile_core::weather::time::bins::Bins;
-use heliotile_scene::input::weather::read_weather;
+use heliotile_files::input::weather::read_weather;
 use rayon::prelude::*;
 
 use crate::response::respond;

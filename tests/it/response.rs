@@ -2,7 +2,6 @@
 
 use glam::DVec3;
 use heliotile_builder::settings::{BuildSettings, Share};
-use heliotile_builder::spill::TempFiles;
 use heliotile_core::archive::Archive;
 use heliotile_core::error::Error;
 use heliotile_core::hemisphere::bit;
@@ -24,6 +23,7 @@ use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::time::bins::Bins;
+use heliotile_files::spill::TempFiles;
 use heliotile_scene::Scene;
 
 use crate::scenes::*;

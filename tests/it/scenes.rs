@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use glam::DVec3;
-use heliotile_builder::pipeline::{Build, BuildReport, Output, Plan, PreparedScene, ReusedArchives, Workspace};
+use heliotile_archives::Workspace;
+use heliotile_builder::pipeline::{Build, BuildReport, Output, Plan, PreparedScene, ReusedArchives};
 use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_builder::settings::BuildSettings;
 use heliotile_builder::settings::Quality;

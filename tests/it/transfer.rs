@@ -5,10 +5,10 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use heliotile_builder::pipeline::Workspace;
+use heliotile_archives::Workspace;
+use heliotile_archives::transfer::{Differences, Selection, diff, extract, merge};
+use heliotile_archives::writing::{Job, Writer};
 use heliotile_builder::settings::BuildSettings;
-use heliotile_builder::transfer::{Differences, Selection, diff, extract, merge};
-use heliotile_builder::writing::{Job, Writer};
 use heliotile_core::archive::format::{BlockKind, TileNumber};
 use heliotile_core::archive::{Archive, Block, Blocks, EncodedBlock, Manifest, encode, format, tables};
 use heliotile_core::hemisphere::mix;
@@ -242,7 +242,7 @@ fn diff_finds_nothing_or_what_is_missing() {
     assert!(same.is_equal() && same.same_root);
     let less = folder.diff("whole.helio", "a.helio");
     assert!(!less.is_equal() && !less.same_root && less.statements.is_empty());
-    let counts = |p: &heliotile_builder::transfer::Parted| [p.only_a.count, p.only_b.count, p.different.count];
+    let counts = |p: &heliotile_archives::transfer::Parted| [p.only_a.count, p.only_b.count, p.different.count];
     assert_eq!((counts(&less.receivers), less.receivers.only_a.first.len()), ([50, 0, 0], 20));
     let probes = |name: &str| Archive::open(&folder.path(name)).expect("an archive").manifest().counts.probes;
     assert_eq!(counts(&less.probes), [probes("whole.helio") - probes("a.helio"), 0, 0]);

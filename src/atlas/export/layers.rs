@@ -7,10 +7,8 @@ use serde_json::{Map, Value, json};
 
 use super::ExportRequest;
 use crate::sources::holding;
-use heliotile_builder::pipeline::Workspace;
-use heliotile_builder::spill::TempFiles;
-use heliotile_builder::transfer::Selection;
-use heliotile_builder::writing::copy::folder_of;
+use heliotile_archives::Workspace;
+use heliotile_archives::transfer::Selection;
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::opened::OpenSite;
@@ -21,11 +19,13 @@ use heliotile_core::weather::conditions::Condition;
 use heliotile_core::weather::series::Weather;
 use heliotile_core::weather::time::sun::Location;
 use heliotile_core::weather::time::sun_path::{MONTHS, SunPath};
+use heliotile_files::input::weather::read_weather_as;
+use heliotile_files::spill::TempFiles;
+use heliotile_files::writing::copy::folder_of;
 use heliotile_results::outputs::pictures::exr::exr;
 use heliotile_results::outputs::pictures::fisheye::{Overlay, fisheye};
 use heliotile_results::outputs::pictures::panel::{PanelSun, panel};
 use heliotile_results::{Provenance, Resources};
-use heliotile_scene::input::weather::read_weather_as;
 
 /// Kinds of image files.
 #[derive(Clone, Copy, PartialEq, Eq)]

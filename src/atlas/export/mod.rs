@@ -10,13 +10,13 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use crate::sources;
-use heliotile_builder::writing::guards::guard_output;
 use heliotile_core::archive::{Access, Archive};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::options::WeatherOptions;
+use heliotile_files::writing::guards::guard_output;
 use heliotile_results::outputs::sink::Sink;
 use heliotile_results::outputs::tables::format::files_of;
 use heliotile_results::outputs::view_factors::ViewFactorTable;

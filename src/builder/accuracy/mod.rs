@@ -19,12 +19,13 @@ mod well_tests;
 
 use std::time::Instant;
 
-use crate::pipeline::{Build, Workspace};
+use crate::pipeline::Build;
 use crate::receiver_tiles::ReceiverTiles;
 use crate::settings::ladder::{self, BOUNCED_RUNGS, SEEN_RUNGS, SKY_RUNGS};
 use crate::settings::{BuildSettings, Effects, Rungs};
 use conditions::ErrorConditions;
 use estimate::{Errors, patch_errors, rung};
+use heliotile_archives::Workspace;
 use heliotile_core::archive::accuracy::Accuracy;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::observer::Stage;

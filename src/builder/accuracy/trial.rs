@@ -6,10 +6,10 @@ use std::time::Duration;
 
 use cpu_time::ProcessTime;
 
-use crate::pipeline::{Build, Output, Plan, PreparedScene, RayCounts, ReusedArchives, Start, Workspace};
+use crate::pipeline::{Build, Output, Plan, PreparedScene, RayCounts, ReusedArchives, Start};
 use crate::receiver_tiles::ReceiverTiles;
 use crate::settings::BuildSettings;
-use crate::spill::TempFiles;
+use heliotile_archives::Workspace;
 use heliotile_core::archive::{Access, Archive, format};
 use heliotile_core::error::Result;
 use heliotile_core::light::radiosity::MaxBounces;
@@ -21,6 +21,7 @@ use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::text::Message;
 use heliotile_core::weather::conditions::Condition;
+use heliotile_files::spill::TempFiles;
 
 /// Common inputs of the trials of one site.
 pub struct Bench<'a> {

@@ -5,10 +5,11 @@ use glam::DVec3;
 
 use super::sample;
 use super::trial::Bench;
-use crate::pipeline::{PreparedScene, Workspace};
+use crate::pipeline::PreparedScene;
 use crate::receiver_tiles::ReceiverTiles;
 use crate::reference::{PathTracer, ReferenceSky};
 use crate::settings::{Effects, Quality, Rungs};
+use heliotile_archives::Workspace;
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::observer::Silent;
 use heliotile_core::site::material::{Class, Material};

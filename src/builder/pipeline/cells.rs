@@ -8,14 +8,13 @@ use rayon::prelude::*;
 
 use super::report::RayCounts;
 use super::site_tracer::SiteTracer;
-use crate::pack::Chunks;
 use crate::pipeline::canopies::canopy_of_cell;
 use crate::settings::Effect;
-use crate::spill::{Sorter, damaged};
 use crate::trace::canopy::CellCrossings;
 use crate::trace::probe::{Directions, PointWeights, ProbeTrace, trace_probe};
 use crate::trace::surroundings::{SeenCell, SurroundingSettings, Surroundings, surroundings};
-use crate::writing::Writer;
+use heliotile_archives::pack::Chunks;
+use heliotile_archives::writing::Writer;
 use heliotile_core::archive::format::{CellKind, TileNumber};
 use heliotile_core::archive::{Blocks, format, tables};
 use heliotile_core::error::Result;
@@ -25,6 +24,7 @@ use heliotile_core::memory::Use;
 use heliotile_core::observer::Stage;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::site::cells::{CellKey, CellSet, level_of};
+use heliotile_files::spill::{Sorter, damaged};
 
 /// Number of bounce cells traced at a time.
 const WAVE: usize = 8192;

@@ -7,9 +7,9 @@ use rayon::prelude::*;
 
 use super::report::Clock;
 use super::site_tracer::SiteTracer;
-use crate::pack::{COMPRESSION, NameIndexWriter, OverviewRow, overview};
 use crate::receiver_tiles::ReceiverTiles;
-use crate::writing::Writer;
+use heliotile_archives::pack::{COMPRESSION, NameIndexWriter, OverviewRow, overview};
+use heliotile_archives::writing::Writer;
 use heliotile_core::archive::format::{Entry, TileNumber, content_id};
 use heliotile_core::archive::tables::{GeometryTable, MAX_TRIANGLES, ObjectsTable};
 use heliotile_core::archive::{Archive, EncodedBlock, format};

@@ -4,7 +4,7 @@
 use super::plan::Plan;
 use super::preview::Keeping;
 use super::site_tracer::SiteTracer;
-use crate::pack::COMPRESSION;
+use heliotile_archives::pack::COMPRESSION;
 use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::manifest;
 use heliotile_core::archive::manifest::{Creator, Manifest, ReceiverSummary, SceneSummary};

@@ -23,21 +23,22 @@ mod unaltered;
 
 use heliotile_core::text::{Message, message};
 use std::cell::OnceCell;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::Ordering;
 
 use crate::receiver_tiles::ReceiverTiles;
 use crate::settings::{BuildSettings, EffectChoice};
 use crate::trace::Tracer;
 use crate::trace::canopy::in_hulls;
-use crate::writing::{Job, Writer};
 use before::Before;
+use heliotile_archives::Workspace;
+use heliotile_archives::writing::{Job, Writer};
 use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::manifest::ReceiverSummary;
 use heliotile_core::archive::negligible::Negligible;
 use heliotile_core::archive::{Archive, Manifest, format};
 use heliotile_core::error::{Error, Result};
-use heliotile_core::memory::{MemoryBudget, Use};
+use heliotile_core::memory::Use;
 use heliotile_core::observer::Observer;
 use heliotile_core::opened::SiteFacts;
 use heliotile_core::site::receiver::Receiver;
@@ -58,53 +59,47 @@ pub use plan::Plan;
 pub use prepared::{Below, PreparedScene};
 pub use report::{BuildReport, Kept, RayCounts};
 
-/// Folder and memory budget of a build.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Workspace {
-    /// Folder of temporary files.
-    pub folder: PathBuf,
-    /// Memory budget for all that a build holds besides the scene and its tree.
-    pub memory: MemoryBudget,
+/// Reads the receivers of a table into tiles. Warns of ignored columns and of receivers far
+/// from the scene.
+pub fn read_receivers<'a>(
+    workspace: &Workspace,
+    table: impl Into<ReceiverCsv<'a>>,
+    scene: &Scene,
+    observer: &dyn Observer,
+) -> Result<ReceiverTiles> {
+    let table = table.into();
+    let mut warnings = Vec::new();
+    let budget = workspace.memory.length(Use::SortedReceivers);
+    // Only a table of heights needs the scene's tree.
+    let prepared: OnceCell<PreparedScene> = OnceCell::new();
+    let surface = |x: f64, y: f64| -> Result<Option<f64>> {
+        if prepared.get().is_none() {
+            // The cell was empty, so that nothing is lost.
+            let _ = prepared.set(PreparedScene::new(scene)?);
+        }
+        Ok(prepared.get().and_then(|prepared| prepared.top(x, y)).map(|top| top.z))
+    };
+    let rows = ReceiverRows::open(table, scene.table_north(), &mut warnings)?.over(&surface);
+    let receivers = ReceiverTiles::open(rows, scene.mesh.origin, &workspace.folder, budget)?;
+    let far = |farthest| far_receivers(scene, receivers.bounds(), farthest, receivers.count());
+    let named = |far: Message| Message::from(format!("{}: ", table.name().display())).and(far);
+    warnings.extend(receivers.farthest().and_then(far).map(named));
+    warnings.iter().for_each(|warning| observer.warn(warning));
+    Ok(receivers)
 }
 
-impl Workspace {
-    /// Reads the receivers of a table into tiles. Warns of ignored columns and of receivers far
-    /// from the scene.
-    pub fn read_receivers<'a>(
-        &self,
-        table: impl Into<ReceiverCsv<'a>>,
-        scene: &Scene,
-        observer: &dyn Observer,
-    ) -> Result<ReceiverTiles> {
-        let table = table.into();
-        let mut warnings = Vec::new();
-        let budget = self.memory.length(Use::SortedReceivers);
-        // Only a table of heights needs the scene's tree.
-        let prepared: OnceCell<PreparedScene> = OnceCell::new();
-        let surface = |x: f64, y: f64| -> Result<Option<f64>> {
-            if prepared.get().is_none() {
-                // The cell was empty, so that nothing is lost.
-                let _ = prepared.set(PreparedScene::new(scene)?);
-            }
-            Ok(prepared.get().and_then(|prepared| prepared.top(x, y)).map(|top| top.z))
-        };
-        let rows = ReceiverRows::open(table, scene.table_north(), &mut warnings)?.over(&surface);
-        let receivers = ReceiverTiles::open(rows, scene.mesh.origin, &self.folder, budget)?;
-        let far = |farthest| far_receivers(scene, receivers.bounds(), farthest, receivers.count());
-        let named = |far: Message| Message::from(format!("{}: ", table.name().display())).and(far);
-        warnings.extend(receivers.farthest().and_then(far).map(named));
-        warnings.iter().for_each(|warning| observer.warn(warning));
-        Ok(receivers)
-    }
-
-    /// Sorts receivers that are in memory into tiles. Warns of receivers far from the scene.
-    pub fn sort_receivers(&self, rows: &[Receiver], scene: &Scene, observer: &dyn Observer) -> Result<ReceiverTiles> {
-        let budget = self.memory.length(Use::SortedReceivers);
-        let receivers = ReceiverTiles::checked(rows, scene.mesh.origin, &self.folder, budget)?;
-        let far = |farthest| far_receivers(scene, receivers.bounds(), farthest, receivers.count());
-        receivers.farthest().and_then(far).iter().for_each(|warning| observer.warn(warning));
-        Ok(receivers)
-    }
+/// Sorts receivers that are in memory into tiles. Warns of receivers far from the scene.
+pub fn sort_receivers(
+    workspace: &Workspace,
+    rows: &[Receiver],
+    scene: &Scene,
+    observer: &dyn Observer,
+) -> Result<ReceiverTiles> {
+    let budget = workspace.memory.length(Use::SortedReceivers);
+    let receivers = ReceiverTiles::checked(rows, scene.mesh.origin, &workspace.folder, budget)?;
+    let far = |farthest| far_receivers(scene, receivers.bounds(), farthest, receivers.count());
+    receivers.farthest().and_then(far).iter().for_each(|warning| observer.warn(warning));
+    Ok(receivers)
 }
 
 /// Finished archives from which a build copies layers.

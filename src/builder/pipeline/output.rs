@@ -5,7 +5,7 @@ use std::io;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use crate::writing::{Job, Progress, Writer};
+use heliotile_archives::writing::{Job, Progress, Writer};
 use heliotile_core::error::{Error, Result};
 
 /// Archive that a build writes.

@@ -15,7 +15,7 @@ use crate::trace::Tracer;
 use crate::trace::canopy::Canopies;
 use crate::trace::mirror::Reflections;
 use crate::trace::surface::CellSurfaces;
-use crate::writing::Writer;
+use heliotile_archives::writing::Writer;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::light::radiosity::centres_f32;
 use heliotile_core::light::reflector::Reflector;

@@ -9,16 +9,15 @@ use rayon::prelude::*;
 use super::before::Before;
 use super::report::{Clock, RayCounts};
 use super::site_tracer::SiteTracer;
-use crate::pack;
 use crate::pipeline::known::KnownReceiver;
 use crate::receiver_tiles::ReceiverTiles;
 use crate::settings::Effect;
-use crate::spill::{Sorter, TempFiles};
 use crate::trace::hidden::is_reached;
 use crate::trace::placement::is_enclosed;
 use crate::trace::receiver::{CellSettings, HitTrace, SkyTrace, Viewpoint};
 use crate::trace::sky_fans::SkyFans;
-use crate::writing::Writer;
+use heliotile_archives::pack;
+use heliotile_archives::writing::Writer;
 use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::{EncodedBlock, format, tables};
 use heliotile_core::error::Result;
@@ -41,6 +40,7 @@ use heliotile_core::replay::tile::sky_view_factor;
 use heliotile_core::site::cells::CellKey;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::text::{Message, counted, with_list};
+use heliotile_files::spill::{Sorter, TempFiles};
 
 /// Sky view below which an enclosed receiver counts as inside a solid.
 pub(super) const BLIND: f64 = 1e-4;

@@ -11,11 +11,11 @@ use super::{EffectsUnder, ErrorTarget, PlanReport, PlanRequest, tables};
 use crate::accuracy::conditions::ErrorConditions;
 use crate::pipeline::{Build, BuildReport, Output, Plan, ReusedArchives};
 use crate::settings::{BuildSettings, EffectChoice, Quality, Rungs, Share};
-use crate::writing::claim::same_place;
 use heliotile_core::archive::Archive;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::units::parse_percent;
 use heliotile_core::weather::options::WeatherOptions;
+use heliotile_files::writing::claim::same_place;
 
 /// Accuracy that a user wants of a build.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, Request)]

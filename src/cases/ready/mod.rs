@@ -9,10 +9,11 @@ mod pairs_tests;
 use heliotile_core::text::message;
 use std::path::Path;
 
-use heliotile_builder::writing::claim::{ClaimedOutput, OutputGuard};
-use heliotile_builder::writing::copy::folder_of;
-use heliotile_builder::writing::guards::check_archive_name;
 use heliotile_core::error::{Error, Result};
+use heliotile_files::input;
+use heliotile_files::writing::claim::{ClaimedOutput, OutputGuard};
+use heliotile_files::writing::copy::folder_of;
+use heliotile_files::writing::guards::check_archive_name;
 use heliotile_remote::naming::{is_address, shown};
 use heliotile_remote::places::require_file;
 use heliotile_requests::{InputKind, OutputKind, Request, Role};
@@ -20,7 +21,6 @@ use heliotile_results::covering::check_name;
 use heliotile_results::outputs::city_model::is_city_model;
 use heliotile_results::outputs::results::ResultFormat;
 use heliotile_results::outputs::tables::format::{Format, files_of};
-use heliotile_scene::input;
 
 /// Refuses a request whose files cannot work, and claims its outputs: until the guard is dropped,
 /// no other run writes them, and no file replaces an input. `geo`: Parquet is a map; `in_memory`

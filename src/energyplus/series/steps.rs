@@ -79,7 +79,7 @@ fn at_end(rows: &[WeatherRow], hour: usize, share: f64) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use heliotile_scene::input::weather::read_weather;
+    use heliotile_files::input::weather::read_weather;
 
     /// DNI and DHI are those that EnergyPlus 25.2 reports for 10 June of Golden, hour 6, which has
     /// 51 and 37 W/m2 before 465 and 86: at a quarter to 6, 154.5 and 49.25 with the sun at 11.76

@@ -6,20 +6,23 @@ use std::path::{Path, PathBuf};
 
 use super::original;
 use crate::resources::Resources;
-use heliotile_builder::held::{complete, held_receivers};
-use heliotile_builder::pipeline::{Build, Output, Plan, PreparedScene, ReusedArchives, Start, Workspace};
+use heliotile_archives::Workspace;
+use heliotile_archives::complete;
+use heliotile_builder::held::held_receivers;
+use heliotile_builder::pipeline::{Build, Output, Plan, PreparedScene, ReusedArchives, Start, read_receivers};
 use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_builder::settings::BuildSettings;
-use heliotile_builder::writing::copy::{copy_whole, folder_of};
-use heliotile_builder::writing::guards::{check_archive_name, guard_archive, guard_site};
 use heliotile_core::archive::{self, Access, Archive, Problem, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::Use;
 use heliotile_core::opened::SiteSettings;
 use heliotile_core::text::counted;
+use heliotile_files::writing::copy::{copy_whole, folder_of};
+use heliotile_files::writing::guards::{check_archive_name, guard_archive};
 use heliotile_remote::places::require_file;
 use heliotile_scene::Scene;
 use heliotile_scene::request::SceneRequest;
+use heliotile_scene::site::guard_site;
 
 /// Request for a repair.
 #[derive(Clone, Debug, Default, Request)]
@@ -138,7 +141,7 @@ impl RepairRequest {
             })?;
             return ReceiverTiles::from_receivers(&held, scene.mesh.origin, &workspace.folder, budget);
         };
-        let mut receivers = workspace.read_receivers(path.as_path(), scene, resources.observer)?;
+        let mut receivers = read_receivers(workspace, path.as_path(), scene, resources.observer)?;
         match receivers.difference(archive)? {
             Some(what) => Err(Error::input(path, None, what, "give the receivers that the archive was built from")),
             None => Ok(receivers),

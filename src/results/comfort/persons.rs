@@ -10,7 +10,7 @@ use crate::outputs::provenance::Provenance;
 use crate::request::LightChoice;
 use crate::series::Series;
 use crate::stream::TileStream;
-use heliotile_builder::transfer::Layers;
+use heliotile_archives::transfer::Layers;
 use heliotile_core::archive::format;
 use heliotile_core::archive::format::BlockKind;
 use heliotile_core::comfort::people::columns::PLANES;

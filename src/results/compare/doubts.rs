@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::archives::Archives;
 use crate::doubts::{check_one_site, preview};
 use crate::files::name_of;
-use heliotile_builder::transfer::differences;
+use heliotile_archives::transfer::differences;
 use heliotile_core::error::Result;
 use heliotile_core::observer::Observer;
 

@@ -18,9 +18,9 @@ use super::buildings::check_table;
 use super::files::FileRequest;
 use super::request::{LightChoice, QueryRequest, ReplayRequest};
 use crate::outputs::periods::Every;
-use heliotile_builder::writing::claim::same_place;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::{Component, ComponentList};
+use heliotile_files::writing::claim::same_place;
 
 pub use pass::BeforeSide;
 pub use summary::{CompareSummary, VariantSummary};

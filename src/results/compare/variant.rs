@@ -9,14 +9,14 @@ use super::tally::Tally;
 use crate::archives::Archives;
 use crate::receivers::{ReceiverChoice, ReceiverSet};
 use crate::stream::TileStream;
-use heliotile_builder::spill::{Sorted, Sorter, damaged};
-use heliotile_builder::transfer::{Bounds, Selection};
+use heliotile_archives::transfer::{Bounds, Selection};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::{MemoryBudget, Use};
 use heliotile_core::opened::{ReceiverMatching, ReceiverPlace};
 use heliotile_core::replay::components::ComponentList;
 use heliotile_core::replay::values::TileValues;
 use heliotile_core::site::receiver::Receiver;
+use heliotile_files::spill::{Sorted, Sorter, damaged};
 
 /// Memory of a receiver during matching, bytes, without its name.
 const BYTES_OF_RECEIVER: u64 = 200;

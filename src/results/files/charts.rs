@@ -17,11 +17,11 @@ use crate::outputs::quantities::Quantity;
 use crate::outputs::sink::Sink;
 use crate::outputs::tables::layout::{By, Layout};
 use crate::stream::{Tile, TileSink, TileStream};
-use heliotile_builder::writing::claim::same_place;
-use heliotile_builder::writing::guards::guard_output;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::{ComponentList, ComponentSet};
 use heliotile_core::site::receiver::Receiver;
+use heliotile_files::writing::claim::same_place;
+use heliotile_files::writing::guards::guard_output;
 
 /// Largest number of days that are columns of their own; longer series have a column for each
 /// month.

@@ -16,8 +16,8 @@ use heliotile_core::observer::Observer;
 use heliotile_core::replay::components::ComponentSet;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::text::{counted, message};
+use heliotile_files::input;
 use heliotile_remote::naming::shown;
-use heliotile_scene::input;
 
 const HINT: &str = "give the city model from which the receivers were made, unchanged";
 

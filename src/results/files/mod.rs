@@ -19,9 +19,9 @@ use crate::outputs::results::ResultFormat;
 use crate::outputs::shapes::writer::MapFormat;
 use crate::outputs::tables::format::{files_of, table_help};
 use crate::outputs::tables::layout::By;
-use heliotile_builder::writing::guards::guard_output;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::ComponentList;
+use heliotile_files::writing::guards::guard_output;
 
 pub use charts::AreaChart;
 pub use city_model::CityModelSink;

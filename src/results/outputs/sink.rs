@@ -4,8 +4,8 @@
 use std::io::{self, BufWriter, Stdout, Write};
 use std::path::{Path, PathBuf};
 
-use heliotile_builder::writing::whole_file::WholeFile;
 use heliotile_core::error::{Error, Result};
+use heliotile_files::writing::whole_file::WholeFile;
 
 /// Byte sink of a table.
 pub struct Sink {

@@ -9,11 +9,12 @@ use super::spots::Spots;
 use crate::outputs::pv::horizon;
 use crate::outputs::tables::format::files_of;
 use crate::run::made_from::MadeFrom;
-use heliotile_builder::writing::guards::{guard_archive, guard_site};
 use heliotile_core::archive::Archive;
 use heliotile_core::error::Result;
 use heliotile_core::weather::series::Weather;
+use heliotile_files::writing::guards::guard_archive;
 use heliotile_scene::site::SceneFiles;
+use heliotile_scene::site::guard_site;
 
 /// Files of the folder.
 pub struct PvFolder {

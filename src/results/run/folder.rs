@@ -11,13 +11,14 @@ use super::{RunMap, RunRequest, maps};
 use crate::outputs::periods::Every;
 use crate::outputs::tables::format::files_of;
 use crate::outputs::tables::layout::By;
-use heliotile_builder::writing::guards::{guard_archive, guard_site};
 use heliotile_core::archive::Archive;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::named::name_of;
 use heliotile_core::observer::Observer;
 use heliotile_core::weather::series::Weather;
+use heliotile_files::writing::guards::guard_archive;
 use heliotile_scene::site::SceneFiles;
+use heliotile_scene::site::guard_site;
 
 /// Files of the folder.
 pub struct RunFiles {

@@ -11,7 +11,7 @@ use crate::outputs::shapes::writer::MapFormat;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::named::NamedValues;
 use heliotile_core::site::place::Place;
-use heliotile_scene::input;
+use heliotile_files::input;
 use heliotile_scene::site::SceneFiles;
 
 /// Map of the annual sums.

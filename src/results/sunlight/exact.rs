@@ -4,7 +4,8 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use heliotile_builder::held::{complete, held_scene};
+use heliotile_archives::complete;
+use heliotile_builder::held::held_scene;
 use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::{Error, Result};

@@ -29,7 +29,6 @@ use crate::outputs::tables::rows::{Cell, RowWriter};
 use crate::receivers::ReceiverSet;
 use crate::resources::Resources;
 use heliotile_builder::siting::MirrorObserver;
-use heliotile_builder::writing::guards::guard_output;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::Use;
 use heliotile_core::observer::Observer;
@@ -39,6 +38,7 @@ use heliotile_core::sunlight::{GlareAngles, MirrorSpells, Spell, Spells, Stronge
 use heliotile_core::text::{counted, message};
 use heliotile_core::units::tilt_and_azimuth;
 use heliotile_core::weather::time::calendar::Date;
+use heliotile_files::writing::guards::guard_output;
 
 /// Angles of glare that counts, and files of glare besides the rows of places.
 #[derive(Clone, Debug, PartialEq, Request)]

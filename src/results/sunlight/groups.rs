@@ -10,9 +10,9 @@ use super::places::{AnswerItem, Asked, PlaceAnswer};
 use super::rule::LitPart;
 use crate::outputs::groups::Groups;
 use crate::outputs::tables::layout::By;
-use heliotile_builder::spill::{Sorter, damaged};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::sunlight::{Spells, Strongest, SunSeen};
+use heliotile_files::spill::{Sorter, damaged};
 
 /// Answers of receivers, sorted by group.
 pub struct GroupAnswers<'a> {

@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use super::rule::Rule;
 use heliotile_core::error::{Error, Problem, Result};
-use heliotile_scene::input;
+use heliotile_files::input;
 use heliotile_scene::line_of_offset;
 
 /// Files of rules that come with the program: their names and texts.

@@ -6,14 +6,13 @@ use std::collections::BTreeMap;
 use cpu_time::ProcessTime;
 use serde::{Serialize, Serializer};
 
+use heliotile_archives::pack::COMPRESSION;
 use heliotile_builder::accuracy::conditions::ErrorConditions;
 use heliotile_builder::accuracy::reference_sample::ReferenceSample;
 use heliotile_builder::accuracy::trial::{Bench, Trial};
-use heliotile_builder::pack::COMPRESSION;
 use heliotile_builder::settings::BuildSettings;
 use heliotile_builder::settings::ladder::Rungs;
 use heliotile_builder::settings::{Effects, Quality};
-use heliotile_builder::spill::TempFiles;
 use heliotile_core::archive::encode;
 use heliotile_core::archive::{Access, Archive};
 use heliotile_core::error::{Error, Result};
@@ -21,6 +20,7 @@ use heliotile_core::observer::Stage;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::weather::time::bins::Bins;
+use heliotile_files::spill::TempFiles;
 
 /// Step of the ladder: settings with their cost and accuracy.
 #[derive(Clone, Debug, Serialize)]

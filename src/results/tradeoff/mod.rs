@@ -12,16 +12,17 @@ use serde::Serialize;
 
 use crate::outputs::provenance::Provenance;
 use crate::resources::Resources;
+use heliotile_archives::Workspace;
 use heliotile_builder::accuracy::conditions::ErrorConditions;
 use heliotile_builder::accuracy::trial::Bench;
 use heliotile_builder::accuracy::{CONDITIONS, sample};
-use heliotile_builder::pipeline::{Build, PreparedScene, Workspace};
+use heliotile_builder::pipeline::{Build, PreparedScene, read_receivers};
 use heliotile_builder::settings::{BuildSettings, EffectChoice};
-use heliotile_builder::writing::copy::folder_of;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::observer::Observer;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::weather::options::WeatherOptions;
+use heliotile_files::writing::copy::folder_of;
 use heliotile_scene::Scene;
 use heliotile_scene::request::SceneRequest;
 
@@ -128,7 +129,7 @@ impl TradeoffRequest {
         let weather = self.weather.as_deref();
         let suns = ErrorConditions::read(weather, &self.about_weather, scene.place, observer)?;
         let beside = Workspace { folder: folder_of(folder).into(), memory };
-        let mut receivers = beside.read_receivers(self.receivers.as_path(), &scene, observer)?;
+        let mut receivers = read_receivers(&beside, self.receivers.as_path(), &scene, observer)?;
         let prepared = PreparedScene::new(&scene)?;
         let mut build = Build { scene: &prepared, receivers: &mut receivers, workspace: &beside, observer };
         let left_out = build.forecast(&BuildSettings::default(), self.effects, None)?.left_out;

@@ -38,13 +38,13 @@ use crate::facing;
 use crate::footprint_options::FootprintOptions;
 use crate::geocentric::{LocalFrame, is_geocentric, to_local};
 use crate::geometry::Geometry;
-use crate::input;
-use crate::input::NamedBytes;
 use crate::model_version::ModelVersion;
 use crate::terrain::raster::Raster;
 use crate::text::{excerpt, utf8};
 use features::FeatureFormat;
 use heliotile_core::error::{Error, Result};
+use heliotile_files::input;
+use heliotile_files::input::NamedBytes;
 
 /// Options of a reader: how to read a file, and which parts of it besides the geometry.
 #[derive(Clone, Debug, Default)]

@@ -13,12 +13,12 @@ use std::path::{Path, PathBuf};
 
 use crate::formats::Asked;
 use crate::formats::obj::Library;
-use crate::input;
 use crate::materials::select::MaterialTable;
 use crate::text::{Lines, Words, excerpt, keyword_and_rest, number, utf8};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::material::Material;
 use heliotile_core::text::{Message, message, with_list};
+use heliotile_files::input;
 
 /// Materials that are wanted from the libraries of an OBJ file.
 pub(super) struct Wanted<'a> {

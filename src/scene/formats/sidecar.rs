@@ -9,10 +9,10 @@ use glam::DVec2;
 use crate::epsg_numbers::Axes;
 use crate::formats::gdal_metadata::{BandNotes, element, unescaped};
 use crate::formats::wkt::TextSystem;
-use crate::input;
 use crate::terrain::raster::{Meaning, degrees, geocentric};
 use crate::text::{excerpt, utf8};
 use heliotile_core::error::{Error, Result};
+use heliotile_files::input;
 
 /// Position of a raster: centre of its first cell, and cell size east and south, in units of its
 /// system.

@@ -11,12 +11,12 @@ use toml::de::{DeTable, DeValue};
 use crate::coordinate::MAX_COORDINATE_M;
 use crate::ground::endless;
 use crate::ground::endless::EndlessGround;
-use crate::input;
 use crate::materials::select::{MaterialTable, table_header};
 use crate::text::{excerpt, line_of_offset, without_byte_order_mark};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::bands::{Band, BandProperty};
 use heliotile_core::site::material::{Class, Glass, Material};
+use heliotile_files::input;
 
 const KEYS: &str = "valid keys are `diffuse`, `specular` and `transmittance` (numbers from 0 to 1, or by band as in \
                     { solar = 0.25, visible = 0.1, nir = 0.4 }), `emissivity` (longwave, a number from 0 to 1), `glass` (true, \"single\" or \"double\"), `class` (\"ground\" or \

@@ -1,10 +1,10 @@
 //! Header of a table. In: the first row of a CSV file, names of columns with their aliases. Out:
 //! the places of the columns, and those that no reader asked for.
 
-use super::csv_rows::CsvRows;
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::text::{Message, separator_hint, with_list};
+use heliotile_files::csv_rows::CsvRows;
 
 /// Names that a column may have; messages use the first one.
 pub(super) type Names = &'static [&'static str];

@@ -5,10 +5,10 @@ use std::path::Path;
 
 use glam::{DVec2, DVec3};
 
-use super::csv_rows::CsvRows;
 use super::header::{Header, advance_to_header};
 use super::rows::number;
 use heliotile_core::error::{Error, Result};
+use heliotile_files::csv_rows::CsvRows;
 
 /// A line in the order of travel.
 #[derive(Clone, Debug, PartialEq)]

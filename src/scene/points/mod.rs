@@ -1,10 +1,8 @@
 //! Tables of points: receivers, modules, people, lines of travel. In: CSV files, in which all of
 //! them have the same column names. Out: checked rows.
 
-mod csv_rows;
 mod header;
 pub mod lines;
 pub mod places;
-pub mod receiver_ids;
 pub mod receivers;
 pub mod rows;

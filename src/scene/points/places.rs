@@ -5,11 +5,11 @@ use heliotile_core::text::Message;
 use std::collections::HashMap;
 use std::path::Path;
 
-use super::csv_rows::CsvRows;
 use super::header::{Header, Names, advance_to_header};
 use super::rows::PointColumns;
 pub use super::rows::{Facing, PointDefaults, PointHeight};
 use heliotile_core::error::{Error, Result};
+use heliotile_files::csv_rows::CsvRows;
 
 const NAMES: [Names; 2] = [&["point"], &["receiver"]];
 /// Columns of a header, for messages.

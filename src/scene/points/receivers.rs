@@ -7,7 +7,6 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::csv_rows::{CsvRows, cell_error};
 use super::header::{Found, Header, Names, advance_to_header};
 use super::rows::{ONE_DIRECTION, PointColumns, PointDefaults, PointHeight, check_length, number};
 use crate::text::excerpt;
@@ -15,6 +14,7 @@ use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::site::north::North;
 use heliotile_core::site::receiver::Receiver;
+use heliotile_files::csv_rows::{CsvRows, cell_error};
 
 const NAMES: [Names; 2] = [&["receiver"], &["point"]];
 const AREA: Names = &["area_m2", "area"];

@@ -3,7 +3,6 @@
 
 use glam::DVec3;
 
-use super::csv_rows::CsvRows;
 use super::header::{Found, Header, Names};
 use crate::coordinate::MAX_COORDINATE_M;
 use crate::text::excerpt;
@@ -11,6 +10,7 @@ use heliotile_core::error::{Problem, Result};
 use heliotile_core::orientation::fan::Orientation;
 use heliotile_core::site::north::North;
 use heliotile_core::site::receiver::MAX_NAME_BYTES;
+use heliotile_files::csv_rows::CsvRows;
 
 const X: Names = &["x"];
 const Y: Names = &["y"];

@@ -8,10 +8,10 @@ use serde::Deserialize;
 
 use crate::coordinate::MAX_COORDINATE_M;
 use crate::covering::surfaces::{Surface, Surfaces};
-use crate::input;
 use crate::text::line_of_offset;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::orientation::fan::Orientation;
+use heliotile_files::input;
 
 const KEYS: &str = "each [[rows]] has a name, an area = [[x, y], ...] or a surface = \"NAME\", tilt, azimuth, pitch, width, height, and \
                     maybe clearance, setback, gap, thickness, front, rear, samples, ground";

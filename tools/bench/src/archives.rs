@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Instant;
 
-use heliotile_builder::writing::{Job, Writer};
+use heliotile_archives::writing::{Job, Writer};
 use heliotile_core::archive::format;
 use heliotile_core::archive::format::{BlockKind, TileNumber, kind_name};
 use heliotile_core::archive::{Access, Archive, Manifest, encode};
@@ -14,7 +14,7 @@ use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::ComponentSet;
 use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::sky::model::SkyModel;
-use heliotile_scene::input::weather::read_conditions;
+use heliotile_files::input::weather::read_conditions;
 
 /// Median of some runs, milliseconds.
 fn median_ms(mut run: impl FnMut()) -> f64 {

@@ -11,7 +11,7 @@ use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::weather::conditions::Condition;
 use heliotile_core::weather::time::bins::Bins;
-use heliotile_scene::input::weather::read_weather;
+use heliotile_files::input::weather::read_weather;
 use ndarray::Array2;
 
 /// Runs of each measurement; the median counts.

@@ -4,7 +4,8 @@ use std::fs;
 use std::path::Path;
 
 use heliotile_core::site::north::North;
-use heliotile_builder::pipeline::{Build, Output, Plan, PreparedScene, ReusedArchives, Workspace};
+use heliotile_archives::Workspace;
+use heliotile_builder::pipeline::{Build, Output, Plan, PreparedScene, ReusedArchives};
 use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_builder::settings::BuildSettings;
 use heliotile_core::archive::format;

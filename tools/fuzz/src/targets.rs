@@ -4,8 +4,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use heliotile_archives::writing::{Job, Writer};
 use heliotile_builder::receiver_tiles::ReceiverTiles;
-use heliotile_builder::writing::{Job, Writer};
 use heliotile_core::archive::format;
 use heliotile_core::archive::format::{
     BlockKind, CODEC_RAW, CODEC_ZSTD, ENTRY_SIZE, Entry, FIRST_BLOCK, SLOT_SIZE, Slot, TileNumber,

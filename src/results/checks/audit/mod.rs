@@ -22,8 +22,8 @@ use heliotile_core::site::place::Place;
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::conditions::Condition;
 use heliotile_core::weather::options::WeatherOptions;
+use heliotile_files::input::weather::read_conditions;
 use heliotile_remote::places::open_archive;
-use heliotile_scene::input::weather::read_conditions;
 use heliotile_scene::request::SceneRequest;
 
 pub use report::{AuditReport, ComponentErrors, HourKindErrors, SkyViewErrors, Verdict, WorstPair};

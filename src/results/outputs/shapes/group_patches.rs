@@ -8,11 +8,11 @@ use std::path::Path;
 use super::outline::{Piece, outlines};
 use super::row::{MapPolygon, MapRow};
 use glam::DVec3;
-use heliotile_builder::spill::{Sorted, Sorter};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::site::patch::Patch;
 use heliotile_core::site::receiver::Receiver;
+use heliotile_files::spill::{Sorted, Sorter};
 
 /// Largest number of receivers that a message names.
 const NAMED: usize = 3;

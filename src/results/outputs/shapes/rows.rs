@@ -8,8 +8,8 @@ use glam::DVec3;
 use super::columns::MapColumns;
 use super::row::MapRow;
 use crate::outputs::pictures::colours::ColourScale;
-use heliotile_builder::spill::{Sorted, Sorter};
 use heliotile_core::error::Result;
+use heliotile_files::spill::{Sorted, Sorter};
 
 /// Facts about all rows.
 #[derive(Clone, Copy, Debug)]

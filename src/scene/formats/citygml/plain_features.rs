@@ -21,9 +21,9 @@ use crate::formats::citygml::xml::{Element, Xml};
 use crate::formats::cityjson::templates::MAX_CORNERS;
 use crate::formats::features::{Collector, Feature, FeatureSystem};
 use crate::geometry::Geometry;
-use crate::input;
 use crate::reference::Reference;
 use heliotile_core::error::{Error, Result};
+use heliotile_files::input;
 
 /// Aggregates of polygons.
 const AGGREGATES: [&str; 10] = [

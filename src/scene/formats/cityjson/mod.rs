@@ -25,14 +25,14 @@ use std::path::Path;
 
 use crate::formats::Asked;
 use crate::geometry::Geometry;
-use crate::input;
-use crate::input::budget::WorkBudget;
 use crate::text::{excerpt, without_byte_order_mark};
 use answers::Answer;
 use document::{Document, Lod};
 use frame::Frame;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::text::{Message, counted, with_list};
+use heliotile_files::input;
+use heliotile_files::input::budget::WorkBudget;
 use objects::Reader;
 pub(super) use surfaces::name_by_tilt;
 use templates::Template;

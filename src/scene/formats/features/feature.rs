@@ -7,7 +7,7 @@ use glam::DVec3;
 use heliotile_core::error::Result;
 use serde_json::{Map, Value};
 
-use crate::input::budget::WorkBudget;
+use heliotile_files::input::budget::WorkBudget;
 
 /// Memory that a feature takes besides its corners and texts, and that a corner and an attribute
 /// take, bytes.

@@ -15,8 +15,8 @@ use super::feature::{Feature, TakeFeature};
 use super::shapes::{Shapes, unreadable};
 use super::system::FeatureSystem;
 use crate::epsg_numbers::{Axes, epsg_numbers_in};
-use crate::input::budget::WorkBudget;
 use crate::text::excerpt;
+use heliotile_files::input::budget::WorkBudget;
 
 /// Deepest nesting of structures that is read: Overture has three.
 const DEPTH: usize = 8;

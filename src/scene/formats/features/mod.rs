@@ -35,8 +35,8 @@ use std::path::Path;
 
 use crate::formats::Asked;
 use crate::geometry::Geometry;
-use crate::input;
 use heliotile_core::error::Result;
+use heliotile_files::input;
 
 pub(super) use collector::Collector;
 pub(super) use feature::Feature;

@@ -20,9 +20,9 @@ use super::feature::{Feature, FeaturePolygon, TakeFeature};
 use super::shape_index;
 use super::system::FeatureSystem;
 use crate::formats::sidecar;
-use crate::input::ShapefileParts;
 use crate::plan::{is_within, sides, signed_area_m2};
 use crate::text::{excerpt, utf8};
+use heliotile_files::input::ShapefileParts;
 
 /// Value below which a number in a shapefile means "no data" (Esri 1998, "Numeric Types").
 const NO_DATA: f64 = -1e38;

@@ -172,7 +172,8 @@ fn damaged_files_cause_no_panic() {
     for ending in ["geojson", "gpkg", "shp.zip", "parquet", "shp", "dbf"] {
         let whole = match ending {
             "shp" | "dbf" => {
-                let parts = crate::input::zipped_shapefile(&town("shp.zip")).expect("a zip").expect("a shapefile");
+                let parts =
+                    heliotile_files::input::zipped_shapefile(&town("shp.zip")).expect("a zip").expect("a shapefile");
                 let table = parts.table.expect("a table");
                 std::fs::write(folder.path().join("x.dbf"), &table).expect("written");
                 std::fs::write(folder.path().join("x.shp"), &parts.shapes).expect("written");

@@ -13,9 +13,9 @@ use glam::{DVec3, DVec4};
 use percent_encoding::percent_decode_str;
 
 use crate::formats::gltf::json::{Accessor, Root, Sparse, SparsePart, unreadable};
-use crate::input;
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
+use heliotile_files::input;
 
 const HINT: &str = "export it again, or check it with a glTF validator";
 

@@ -25,9 +25,9 @@ use crate::formats::gltf::instances::placements;
 use crate::formats::gltf::json::{Mesh, Node, Primitive, Root, may_hold_geometry, unreadable};
 use crate::formats::gltf::materials::Materials;
 use crate::geometry::Geometry;
-use crate::input::budget::WorkBudget;
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
+use heliotile_files::input::budget::WorkBudget;
 
 /// Most triangles of all instances together, about 10 GB of memory: a small file may place a large
 /// mesh any number of times.
