@@ -29,19 +29,25 @@
 //! # What it is made of
 //!
 //! ```text
-//! core <- scene <- builder <- results <- energyplus
-//!  ^-- remote <----- atlas <-----'
-//!                      ^------- heliotile <- program, python
+//! requests <- core <- files <- archives <- remote <- results
+//!              ^-- place <- scene <- builder <- studies <- atlas, energyplus
+//!                                                ^---- heliotile <- program, python
 //! ```
+//!
+//! Results reach neither scenes nor the tracer: what only replays compiles neither.
 //!
 //! | crate | what it holds |
 //! | --- | --- |
 //! | [`heliotile_requests`] | requests that declare their fields once, for every face |
 //! | [`heliotile_core`] | what an archive is and how it is replayed; every formula |
+//! | [`heliotile_files`] | files: unpacked on the way in, whole or absent on the way out, sorted beyond memory |
+//! | [`heliotile_archives`] | archives as files: written whole or resumed, cut, joined, compared |
+//! | [`heliotile_place`] | places on Earth: coordinate systems by number |
 //! | [`heliotile_scene`] | files of the world: geometry, materials, receivers |
-//! | [`heliotile_builder`] | tracing, writing, plans, the reference path tracer, parts and unions of archives |
+//! | [`heliotile_builder`] | tracing, plans, the reference path tracer |
 //! | [`heliotile_remote`] | places of files: paths, and addresses in object stores (feature `remote`) |
-//! | [`heliotile_results`] | requests and their results: tables, maps, pictures, models of other programs |
+//! | [`heliotile_results`] | replay and its results: tables, maps, pictures, models of other programs |
+//! | [`heliotile_studies`] | what reads scenes or traces: receivers, builds, runs, modules, hours of sun, audits |
 //! | [`heliotile_atlas`] | regions in parts: planned, built, opened, checked |
 //!
 //! # What never happens
@@ -87,17 +93,12 @@ pub use heliotile_core::weather::temperatures::Temperature;
 pub use heliotile_core::weather::time::clock_zone::ClockZone;
 pub use heliotile_energyplus::{EnergyplusRequest, Physics};
 pub use heliotile_requests as requests;
-pub use heliotile_results::covering::{CoverRequest, Density};
-pub use heliotile_results::pv::{PvDone, PvRequest};
-pub use heliotile_results::site_build::check_output;
 pub use heliotile_results::{
-    AuditRequest, BandChoice, BandList, BinLabels, BuildingsRequest, By, ClassShare, ComfortChoice, ComfortColumn,
-    ComfortRequest, ComfortSiteRequest, CompareRequest, ConditionSource, DaySpan, Every, FactorRows, FactorsRequest,
-    FileRequest, FolderOption, GlareChoice, Illumination, LightChoice, PageRequest, PartReceivers, PlaceOn,
-    PlacesRequest, Posture, Provenance, QueryRequest, ReceiverChoice, ReceiverSource, RepairRequest, ReplayRequest,
-    Resources, RunDone, RunMap, RunRequest, SideHours, SiteArchiveRequest, SiteBuild, SiteFolder, SkyChoice, SkyFiles,
-    SunOnPerson, SunlightDone, SunlightRequest, SurfaceTemperatures, Tile, TileSink, TradeoffRequest, UpdateRequest,
-    Verdict, WindChoice, shipped_rules,
+    BandChoice, BandList, BinLabels, BuildingsRequest, By, ClassShare, ComfortChoice, ComfortColumn, ComfortRequest,
+    CompareRequest, ConditionSource, Every, FactorRows, FactorsRequest, FileRequest, Illumination, LightChoice,
+    PageRequest, PartReceivers, PlaceOn, PlacesRequest, Posture, Provenance, QueryRequest, ReceiverChoice,
+    ReplayRequest, Resources, SideHours, SkyChoice, SkyFiles, SunOnPerson, SurfaceTemperatures, Tile, TileSink,
+    WindChoice,
 };
 pub use heliotile_scene::edit::{ObjectHeight, ObjectMaterial, ObjectMove, SceneEdits};
 pub use heliotile_scene::footprint_options::{FootprintOptions, HeightAbove, HeightSource};
@@ -106,6 +107,14 @@ pub use heliotile_scene::points::receivers::ReceiverCsv;
 pub use heliotile_scene::request::SceneRequest;
 pub use heliotile_scene::site::SceneFiles;
 pub use heliotile_scene::{ModelVersion, Scene, SurfaceRasters};
+pub use heliotile_studies::covering::{CoverRequest, Density};
+pub use heliotile_studies::pv::{PvDone, PvRequest};
+pub use heliotile_studies::site_build::check_output;
+pub use heliotile_studies::{
+    AuditRequest, ComfortSiteRequest, DaySpan, FolderOption, GlareChoice, ReceiverSource, RepairRequest, RunDone,
+    RunMap, RunRequest, SiteArchiveRequest, SiteBuild, SiteFolder, SunlightDone, SunlightRequest, TradeoffRequest,
+    UpdateRequest, Verdict, shipped_rules,
+};
 pub use site::{ReceiverTotal, Site, SiteOptions, SiteReplay};
 
 /// Archives as files: blocks, transfers between archives.
@@ -135,11 +144,11 @@ pub mod atlas {
 
 /// Receivers on surfaces and along lines.
 pub mod covering {
-    pub use heliotile_results::along::{AlongRequest, write_points};
-    pub use heliotile_results::covering::{check_name, cover_scene, cover_site, doubts, save, summary, write};
+    pub use heliotile_core::site::semantics::SurfaceKind;
     pub use heliotile_results::horizon::black_below_horizon;
     pub use heliotile_scene::covering::surfaces::Surfaces;
-    pub use heliotile_scene::semantics::SurfaceKind;
+    pub use heliotile_studies::along::{AlongRequest, write_points};
+    pub use heliotile_studies::covering::{check_name, cover_scene, cover_site, doubts, save, summary, write};
 }
 
 /// Materials: numbers in messages, files of changes.
@@ -170,7 +179,7 @@ pub mod output {
     pub use heliotile_results::outputs::sink::write_texts;
     pub use heliotile_results::outputs::tables::format::{Format, files_of};
     pub use heliotile_results::outputs::viewer_page::{ViewerPage, packed};
-    pub use heliotile_results::run::folder_beside;
+    pub use heliotile_studies::run::folder_beside;
 }
 
 /// Addresses in object stores.
@@ -191,7 +200,8 @@ pub mod scene {
 pub mod tables {
     pub use heliotile_results::outputs::tables;
     pub use heliotile_results::outputs::tables::rows::{Cell, Records};
-    pub use heliotile_results::{ArrowRows, Layout, ONE_SIDE, is_time, open_after};
+    pub use heliotile_results::{ArrowRows, Layout, ONE_SIDE, open_after};
+    pub use heliotile_studies::is_time;
 }
 
 /// Words of messages.

@@ -24,9 +24,9 @@ use heliotile_remote::places::open_archive;
 use heliotile_results::{
     Archives, BeforeSide, BinLabels, BuildingsRequest, BuildingsSummary, ComfortDone, ComfortRequest, CompareRequest,
     CompareSummary, Every, FactorsRequest, FileRequest, Illumination, LightChoice, PlacesRequest, PlacesSummary,
-    Provenance, QueryRequest, ReceiverChoice, ReceiverSet, ReplayRequest, Resources, Series, Sources, SunlightDone,
-    SunlightRequest, SunlightSite, Tile, TileStream,
+    Provenance, QueryRequest, ReceiverChoice, ReceiverSet, ReplayRequest, Resources, Series, Sources, Tile, TileStream,
 };
+use heliotile_studies::{SunlightDone, SunlightRequest, SunlightSite};
 
 /// Options of how a site is opened.
 #[derive(Clone, Debug)]

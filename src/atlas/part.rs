@@ -19,9 +19,9 @@ use heliotile_core::memory::MemoryBudget;
 use heliotile_core::observer::Observer;
 use heliotile_files::writing::file_lock::FileLock;
 use heliotile_remote::naming::{is_address, shown};
-use heliotile_results::covering::cover_site;
 use heliotile_results::outputs::sink::write_texts;
-use heliotile_results::site_build::{FolderOption, ReceiverSource, SiteBuild, SiteFolder};
+use heliotile_studies::covering::cover_site;
+use heliotile_studies::site_build::{FolderOption, ReceiverSource, SiteBuild, SiteFolder};
 
 /// Lock file in the folder of a part, held by the process that builds the part.
 const LOCK: &str = ".lock";

@@ -20,11 +20,11 @@ use heliotile_core::error::{Error, Result};
 use heliotile_files::input;
 use heliotile_remote::Directory;
 use heliotile_remote::naming::shown;
-use heliotile_results::covering::CoverRequest;
 use heliotile_scene::region_part::RegionPart;
 use heliotile_scene::request::SceneRequest;
 use heliotile_scene::site::SceneFiles;
 use heliotile_scene::survey::FileSurvey;
+use heliotile_studies::covering::CoverRequest;
 
 pub use heliotile_remote::places::ATLAS as FILE;
 
@@ -340,9 +340,9 @@ pub fn is_atlas(path: &Path) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use heliotile_results::covering::Density;
     use heliotile_scene::footprint_options::FootprintOptions;
     use heliotile_scene::placing::frame::{SiteFrame, UpAxis};
+    use heliotile_studies::covering::Density;
 
     /// Returns a plan in which every field has a value.
     fn full() -> AtlasPlan {

@@ -19,9 +19,9 @@ use heliotile_core::error::Result;
 use heliotile_core::observer::{Observer, Silent};
 use heliotile_core::replay::components::Component;
 use heliotile_core::site::receiver::Receiver;
-use heliotile_results::covering::cover_site;
 use heliotile_scene::Scene;
 use heliotile_scene::region_part::RegionPart;
+use heliotile_studies::covering::cover_site;
 
 /// Factor by which the halo of the comparison is wider.
 const WIDER: f64 = 3.0;

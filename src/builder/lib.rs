@@ -1,24 +1,22 @@
-//! Traces a scene's receivers once and writes their archive.
+//! Traces a scene's receivers once; [`heliotile_archives`] writes their archive.
 //!
 //! # Map
 //!
 //! ```text
-//! settings spill receiver_tiles held | trace | writing pack | pipeline | accuracy | planning
-//! | reference siting | transfer
+//! settings receiver_tiles held | trace | pipeline | accuracy | planning
+//! | reference siting
 //! ```
 //!
 //! | module | in | out |
 //! | --- | --- | --- |
 //! | [`settings`] | a quality, names and numbers | numbers in range |
 //! | [`trace`] | a mesh, points to look from | raw hemispheres: sky bits and the cells that are seen; the only module that casts rays |
-//! | [`writing`] | encoded blocks | an archive, complete or absent; an interrupted build can resume |
 //! | [`pipeline`] | a prepared scene, receivers | a plan with its forecast, then an archive |
 //! | [`accuracy`] | a target in percent | the cheapest settings that keep within it |
 //! | [`planning`] | a request, weather | settings, effects that may be left out, and the estimates behind both |
 //! | [`mod@reference`] | a prepared scene, a receiver, suns and skies | irradiance from the reference path tracer, with a standard error: no texture, cell or patch |
 //! | [`siting`] | a prepared scene, points in it | the ground below a point, a test whether it is inside a solid, its horizon |
 //! | [`held`] | an archive | the triangles, materials, objects and receivers that it was traced from |
-//! | [`transfer`] | archives | parts, unions and differences of archives, without casting a ray |
 //!
 //! # What never happens
 //!

@@ -18,9 +18,10 @@ use heliotile_files::writing::guards::{guard_archive, guard_output};
 use heliotile_remote::naming::is_address;
 use heliotile_remote::places::open_archive;
 use heliotile_requests::Request;
+use heliotile_results::PageRequest;
 use heliotile_results::outputs::tables::format::table_help;
-use heliotile_results::{AuditRequest, PageRequest, RepairRequest};
 use heliotile_scene::request::SceneRequest;
+use heliotile_studies::{AuditRequest, RepairRequest};
 
 use super::SelectionRequest;
 

@@ -11,12 +11,12 @@ use heliotile_core::weather::conditions::Condition;
 use heliotile_files::spill::parse_memory;
 use heliotile_requests::Request;
 use heliotile_results::outputs::tables::format::table_help;
-use heliotile_results::run::folder_beside;
 use heliotile_results::{
-    BuildingsRequest, ComfortRequest, ComfortSiteRequest, CompareRequest, ConditionSource, Every, FactorsRequest,
-    FileRequest, GlareChoice, Illumination, LightChoice, PlacesRequest, QueryRequest, ReplayRequest, Resources,
-    SunlightRequest,
+    BuildingsRequest, ComfortRequest, CompareRequest, ConditionSource, Every, FactorsRequest, FileRequest,
+    Illumination, LightChoice, PlacesRequest, QueryRequest, ReplayRequest, Resources,
 };
+use heliotile_studies::run::folder_beside;
+use heliotile_studies::{ComfortSiteRequest, GlareChoice, SunlightRequest};
 
 use super::{SelectionRequest, SiteRequest};
 use crate::site::Site;

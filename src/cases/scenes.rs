@@ -16,13 +16,13 @@ use heliotile_energyplus::EnergyplusRequest;
 use heliotile_files::spill::parse_memory;
 use heliotile_files::writing::guards::guard_output;
 use heliotile_requests::Request;
-use heliotile_results::along::{AlongRequest, write_points};
-use heliotile_results::covering::{CoverRequest, Density, cover_site, summary, write};
-use heliotile_results::pv::PvRequest;
-use heliotile_results::{RunRequest, TradeoffRequest, UpdateRequest};
 use heliotile_scene::edit::SceneEdits;
 use heliotile_scene::request::SceneRequest;
 use heliotile_scene::site::guard_site;
+use heliotile_studies::along::{AlongRequest, write_points};
+use heliotile_studies::covering::{CoverRequest, Density, cover_site, summary, write};
+use heliotile_studies::pv::PvRequest;
+use heliotile_studies::{RunRequest, TradeoffRequest, UpdateRequest};
 
 /// Request of `run`.
 #[derive(Clone, Debug, Default, Request)]

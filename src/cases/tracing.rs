@@ -12,10 +12,10 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::observer::Observer;
 use heliotile_core::text::counted;
 use heliotile_core::weather::options::WeatherOptions;
-use heliotile_results::SiteBuild;
-use heliotile_results::site_build::check_output;
 use heliotile_scene::Scene;
 use heliotile_scene::points::receivers::ReceiverCsv;
+use heliotile_studies::SiteBuild;
+use heliotile_studies::site_build::check_output;
 
 use super::Build;
 

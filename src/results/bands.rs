@@ -14,7 +14,7 @@ use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::site::bands::{Band, SourceScale};
 use heliotile_core::site::material::Material;
 use heliotile_files::input;
-use heliotile_scene::line_of_offset;
+use heliotile_files::text::line_of_offset;
 
 /// Hint that says what a file of bands may hold.
 const KEYS: &str = "give tables [[band]] with a `name` and the shares `sun` and `sky` (0 to 1); `optics` (uv, visible, par or nir) \

@@ -114,13 +114,13 @@ impl LightChoice {
     }
 
     /// Refuses choices that exclude each other, before any file is read.
-    pub(super) fn check(&self) -> Result<()> {
+    pub fn check(&self) -> Result<()> {
         self.light_paths()?;
         self.skies().check(self.sky.model())
     }
 
     /// Notes doubts about archives in the requested bands.
-    pub(super) fn tell_bands(&self, archives: Archives, observer: &dyn Observer) -> Result<()> {
+    pub fn tell_bands(&self, archives: Archives, observer: &dyn Observer) -> Result<()> {
         let doubts = self.bands.doubts(archives, self.columns().set())?;
         doubts.iter().for_each(|text| observer.note(text));
         Ok(())

@@ -4,7 +4,7 @@
 
 use glam::{DMat3, DVec3};
 
-use crate::reference::Reference;
+use heliotile_place::reference::Reference;
 
 /// Range of distances from the Earth's centre to objects on its surface, metres: the poles are at
 /// 6,356.8 km, the equator at 6,378.1 km.

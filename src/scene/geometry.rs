@@ -15,10 +15,10 @@ use crate::geocentric::LocalFrame;
 use crate::ground::model::ModelGround;
 use crate::materials::select::MaterialTable;
 use crate::placing::y_up::HeaderUp;
-use crate::reference::Reference;
-use crate::semantics::{FaceNote, SourceFace, SurfaceKind};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::scene_object::ObjectNote;
+use heliotile_core::site::semantics::{FaceNote, SourceFace, SurfaceKind};
+use heliotile_place::reference::Reference;
 
 /// Polygons of one file, in the order of the file.
 #[derive(Debug, Default)]

@@ -29,9 +29,7 @@ use crate::placing::whereabouts::place_of;
 use crate::placing::y_up::y_up_warning;
 use crate::polygon;
 use crate::polygon::{OFF_PLANE_M, Triangulation, object_name};
-use crate::reference::Reference;
 use crate::region_part::RegionPart;
-use crate::semantics::SourceFace;
 use crate::site::{MissingGround, Part, SceneFiles};
 use crate::surface_city::read::{Beyond, SurfaceRead, no_raster, read_surface};
 use crate::terrain::focus::Focus;
@@ -44,7 +42,9 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::site::ground::MonthlyGround;
 use heliotile_core::site::material::Class;
 use heliotile_core::site::scene_object::{ObjectNote, SceneObject};
+use heliotile_core::site::semantics::SourceFace;
 use heliotile_core::text::{Message, message, with_list};
+use heliotile_place::reference::Reference;
 
 /// Most reasons for leaving out faces that get a warning each; more reasons become one list.
 const MAX_REASONS: usize = 2;

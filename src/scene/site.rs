@@ -11,13 +11,13 @@ use crate::coordinate::is_position;
 use crate::footprint_options::{FootprintOptions, HeightAbove, HeightSource};
 use crate::model_version::ModelVersion;
 use crate::placing::frame::{SiteFrame, UpAxis, check_elevation, check_rotation, check_scale};
-use crate::reference::Reference;
 use crate::region_part::RegionPart;
 use crate::surface_rasters::SurfaceRasters;
 use crate::text::line_of_offset;
 use heliotile_core::error::{Error, Result};
 use heliotile_files::input;
 use heliotile_files::writing::guards::guard_output;
+use heliotile_place::reference::Reference;
 
 /// Files that make up one scene.
 #[derive(Clone, Debug, Default, PartialEq)]

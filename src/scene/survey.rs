@@ -10,11 +10,11 @@ use rayon::prelude::*;
 use crate::formats;
 use crate::formats::{Asked, Content};
 use crate::geometry::Geometry;
-use crate::reference::Reference;
-use crate::semantics::SurfaceKind;
 use crate::site::{Part, SceneFiles};
 use crate::surface_city::read::{no_raster, windows_of};
 use heliotile_core::error::{Error, Result};
+use heliotile_core::site::semantics::SurfaceKind;
+use heliotile_place::reference::Reference;
 
 /// Cells along a side of the windows in which a raster of surface heights is read.
 const WINDOW: usize = 4096;

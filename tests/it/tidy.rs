@@ -164,8 +164,18 @@ fn public_types_have_names_of_their_own() {
 }
 
 /// Rooms whose messages the program, Python and the page show, each in its own words.
-const OF_ALL_FACES: [&str; 7] =
-    ["src/core", "src/scene", "src/builder", "src/remote", "src/results", "src/atlas", "src/energyplus"];
+const OF_ALL_FACES: [&str; 10] = [
+    "src/core",
+    "src/files",
+    "src/archives",
+    "src/scene",
+    "src/builder",
+    "src/remote",
+    "src/results",
+    "src/studies",
+    "src/atlas",
+    "src/energyplus",
+];
 
 /// A string literal in the code.
 struct Literal<'a> {

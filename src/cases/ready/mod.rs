@@ -17,10 +17,10 @@ use heliotile_files::writing::guards::check_archive_name;
 use heliotile_remote::naming::{is_address, shown};
 use heliotile_remote::places::require_file;
 use heliotile_requests::{InputKind, OutputKind, Request, Role};
-use heliotile_results::covering::check_name;
 use heliotile_results::outputs::city_model::is_city_model;
 use heliotile_results::outputs::results::ResultFormat;
 use heliotile_results::outputs::tables::format::{Format, files_of};
+use heliotile_studies::covering::check_name;
 
 /// Refuses a request whose files cannot work, and claims its outputs: until the guard is dropped,
 /// no other run writes them, and no file replaces an input. `geo`: Parquet is a map; `in_memory`

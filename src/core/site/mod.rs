@@ -19,3 +19,4 @@ pub mod patch;
 pub mod place;
 pub mod receiver;
 pub mod scene_object;
+pub mod semantics;

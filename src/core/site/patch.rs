@@ -8,6 +8,9 @@ use glam::DVec3;
 
 use crate::hemisphere::Frame;
 
+/// Optional column of the part of its surface that the receiver stands for, as in a `Patch`.
+pub const PATCH: &str = "patch";
+
 /// Largest number of polygons of a patch.
 pub const MAX_POLYGONS: usize = 255;
 /// Largest number of corners of a polygon.

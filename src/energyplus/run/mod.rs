@@ -31,13 +31,13 @@ use heliotile_core::text::{Message, counted};
 use heliotile_files::input;
 use heliotile_files::writing::guards::{guard_archive, guard_output};
 use heliotile_results::Resources;
-use heliotile_results::covering::cover_site;
-use heliotile_results::covering::{CoverRequest, Density, PlacedReceivers};
 use heliotile_results::outputs::sink::{write_file, write_texts};
-use heliotile_results::site_build::{FolderOption, KEEP_OR_REPLACE, ReceiverSource, SiteBuild, SiteFolder};
 use heliotile_scene::Scene;
 use heliotile_scene::request::SceneRequest;
 use heliotile_scene::site::SceneFiles;
+use heliotile_studies::covering::cover_site;
+use heliotile_studies::covering::{CoverRequest, Density, PlacedReceivers};
+use heliotile_studies::site_build::{FolderOption, KEEP_OR_REPLACE, ReceiverSource, SiteBuild, SiteFolder};
 use runs::Engine;
 use stripped::Full;
 

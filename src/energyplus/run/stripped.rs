@@ -30,9 +30,9 @@ use heliotile_core::light::paths::LightPaths;
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::text::{Message, counted, message, with_list};
 use heliotile_files::input::weather::read_weather;
-use heliotile_results::covering::PlacedReceivers;
-use heliotile_results::covering::cover_site;
 use heliotile_results::outputs::sink::Sink;
+use heliotile_studies::covering::PlacedReceivers;
+use heliotile_studies::covering::cover_site;
 
 /// File name of the series beside the model.
 pub const SERIES: &str = "series.csv";

@@ -9,21 +9,18 @@
 //! | `climate` | the air of each hour, and errors for gaps in a weather file |
 //! | `persons` | the six receivers of a point, and their light |
 //! | `pass` | from a stream of tiles to files |
-//! | `points` | positions of points, and the archive of a scene with them: [`ComfortSiteRequest`] |
 //!
 //! Formulas are in [`heliotile_core::comfort`], those of people in
-//! [`heliotile_core::comfort::people`]; the page uses them, too. Only `points` traces rays.
+//! [`heliotile_core::comfort::people`]; the page uses them, too.
 
 mod beyond;
 mod climate;
 mod columns;
 mod pass;
 mod persons;
-mod points;
 mod request;
 
 pub use heliotile_core::comfort::people::columns::ComfortColumn;
 pub use heliotile_core::comfort::people::model::SunOnPerson;
 pub use pass::ComfortDone;
-pub use points::ComfortSiteRequest;
 pub use request::{ClassShare, ComfortChoice, ComfortRequest, Posture, SurfaceTemperatures, WindChoice};

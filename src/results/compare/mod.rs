@@ -25,7 +25,7 @@ use heliotile_files::writing::claim::same_place;
 pub use pass::BeforeSide;
 pub use summary::{CompareSummary, VariantSummary};
 pub use tally::{LOSSES_PERCENT, LossCounts};
-pub(crate) use variant::check_memory;
+pub use variant::check_memory;
 
 /// Request for a comparison of archives with one before them.
 #[derive(Clone, Debug)]

@@ -25,10 +25,10 @@ use heliotile_files::writing::guards::guard_output;
 
 pub use charts::AreaChart;
 pub use city_model::CityModelSink;
-pub(crate) use map::{MapStart, say_large};
+pub use map::{MapStart, say_large};
 pub use map::{crs_of, surroundings};
 pub use results::{MapFile, Question, ResultRows, ResultSink, RowsAbout};
-pub(crate) use results::{RowFiles, groups_of, write_rows};
+pub use results::{RowFiles, groups_of, write_rows};
 
 /// Files that results are written to.
 #[derive(Clone, Debug, Request)]
@@ -109,13 +109,13 @@ impl FileRequest {
 
     /// Returns true if a table is requested. If there are pictures, the default `-` does not count
     /// as a request for standard output.
-    pub(crate) fn wants_table(&self) -> Result<bool> {
+    pub fn wants_table(&self) -> Result<bool> {
         let is_table = matches!(ResultFormat::of(&self.output, self.geo)?, ResultFormat::Table(_));
         Ok(is_table && (self.plots.is_empty() || self.output != Path::new("-")))
     }
 
     /// Returns the requested maps: the output if it is one, and the pictures in `drawn`.
-    pub(crate) fn maps<'p>(&self, drawn: impl Iterator<Item = &'p Path>) -> Result<Vec<MapFile>> {
+    pub fn maps<'p>(&self, drawn: impl Iterator<Item = &'p Path>) -> Result<Vec<MapFile>> {
         let output = match ResultFormat::of(&self.output, self.geo)? {
             ResultFormat::Map(format) => Some(MapFile { path: self.output.clone(), format }),
             ResultFormat::Table(_) => None,

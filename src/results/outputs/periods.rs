@@ -30,6 +30,19 @@ pub enum Every {
     Total,
 }
 
+impl Every {
+    /// Returns the word for several of them, as in names of files.
+    pub fn periods(self) -> &'static str {
+        match self {
+            Every::Hour => "hours",
+            Every::Day => "days",
+            Every::Month => "months",
+            Every::Year => "years",
+            Every::Total => "total",
+        }
+    }
+}
+
 /// Clock and convention of labels for moments.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ClockReading {

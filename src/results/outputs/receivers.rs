@@ -10,8 +10,7 @@ use super::tables::column::Column;
 use super::tables::rows::{Cell, RowWriter};
 use heliotile_core::error::Result;
 use heliotile_core::site::model_part::ModelPart;
-use heliotile_core::site::patch::Patch;
-use heliotile_scene::points::receivers::PATCH;
+use heliotile_core::site::patch::{PATCH, Patch};
 
 /// Row of the table.
 pub struct ReceiverRow<'a> {

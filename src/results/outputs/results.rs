@@ -13,9 +13,10 @@ use heliotile_core::error::{Error, Result};
 
 /// File format of results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
 pub enum ResultFormat {
+    /// Table.
     Table(Format),
+    /// Map.
     Map(MapFormat),
 }
 

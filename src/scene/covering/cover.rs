@@ -14,7 +14,7 @@ use glam::{DVec2, DVec3};
 
 use crate::covering::necks::{Neck, Span, narrowest};
 use crate::covering::surfaces::{Surface, area_vector};
-use crate::semantics::SurfaceKind;
+use heliotile_core::site::semantics::SurfaceKind;
 
 /// Density of points on a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]

@@ -10,11 +10,11 @@ use std::ops::Range;
 use glam::DVec3;
 
 use crate::load::Soup;
-use crate::semantics::{SourceFace, SurfaceKind};
 use heliotile_core::site::material::{Class, Material};
 use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::site::morton::lexicographic;
 use heliotile_core::site::scene_object::ObjectNote;
+use heliotile_core::site::semantics::{SourceFace, SurfaceKind};
 
 /// Least cosine between the normals of a triangle and of the first one of its surface (2 degrees).
 const SAME_DIRECTION: f64 = 0.999_390_8;

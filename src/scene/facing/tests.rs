@@ -8,9 +8,9 @@ use glam::DVec3;
 
 use crate::Scene;
 use crate::covering::surfaces::Surfaces;
-use crate::semantics::SurfaceKind;
 use crate::site::{Part, SceneFiles};
 use heliotile_core::hemisphere::{mix, unit};
+use heliotile_core::site::semantics::SurfaceKind;
 
 /// A face of a solid: outline, holes and semantics.
 #[derive(Clone)]

@@ -19,7 +19,7 @@ use crate::footprints::nodes::Noded;
 use crate::footprints::overlaps::{Block, groups, outlines_without_parts, overlapping, settle};
 use crate::footprints::shared_walls::{FreeWall, FreeWalls, Side, Standing, free_walls};
 use crate::geometry::Geometry;
-use crate::semantics::{FaceNote, SurfaceKind};
+use heliotile_core::site::semantics::{FaceNote, SurfaceKind};
 
 /// Materials of the faces, named as in city models.
 const ROOF: &str = "RoofSurface";

@@ -10,7 +10,7 @@ use crate::footprints::ground_below::GroundBelow;
 use crate::footprints::raised::{FootprintFile, raise};
 use crate::geometry::Geometry;
 use crate::polygon::area_vector_of;
-use crate::semantics::SurfaceKind;
+use heliotile_core::site::semantics::SurfaceKind;
 
 /// Returns a house on a rectangle, turned by 30 degrees about a corner of a national grid.
 fn house(name: &str, west: f64, south: f64, east: f64, north: f64, roof_m: f64) -> Footprint {

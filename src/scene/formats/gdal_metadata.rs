@@ -2,7 +2,7 @@
 //! `.aux.xml` file (`PAMDataset`). Out: scale, offset, unit of heights and nodata of the first
 //! band.
 
-use crate::epsg_numbers::{FOOT_M, US_FOOT_M};
+use heliotile_place::epsg_numbers::{FOOT_M, US_FOOT_M};
 
 /// Metadata of a band: how its stored numbers become heights.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -4,11 +4,11 @@
 use heliotile_core::text::{Message, message};
 use std::path::Path;
 
-use crate::epsg_numbers::{Axes, FOOT_M, US_FOOT_M, axes_of, height_unit_m};
 use crate::formats::projections::{Projection, half_axis_of};
-use crate::reference::Reference;
 use crate::terrain::raster::{Meaning, degrees, geocentric};
 use heliotile_core::error::Result;
+use heliotile_place::epsg_numbers::{Axes, FOOT_M, US_FOOT_M, axes_of, height_unit_m};
+use heliotile_place::reference::Reference;
 
 const MODEL_TYPE: u16 = 1024;
 const RASTER_TYPE: u16 = 1025;

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use super::*;
 use crate::Scene;
 use crate::placing::frame::SiteFrame;
-use crate::reference::Reference;
 use crate::site::SceneFiles;
+use heliotile_place::reference::Reference;
 
 const COLUMNS: i64 = 40;
 const ROWS: i64 = 36;

@@ -2,7 +2,7 @@
 //! added.
 
 use super::*;
-use crate::reference::Reference;
+use heliotile_place::reference::Reference;
 use tiff::encoder::colortype::{ColorType, Gray16, Gray32Float, Gray64Float, GrayI16, GrayI32, RGB8};
 use tiff::encoder::compression::DeflateLevel;
 use tiff::encoder::{Compression, TiffEncoder, TiffValue};

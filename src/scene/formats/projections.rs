@@ -218,8 +218,8 @@ impl Projection {
             |key: &str| HALF_AXES.iter().find(|(name, _)| Some(*name) == get(key)).map(|(_, metres)| *metres);
         let half_axis_m = number("a").or_else(|| ellipsoid("ellps")).or_else(|| ellipsoid("datum"))?;
         let unit_m = match get("units") {
-            Some("us-ft") => crate::epsg_numbers::US_FOOT_M,
-            Some("ft") => crate::epsg_numbers::FOOT_M,
+            Some("us-ft") => heliotile_place::epsg_numbers::US_FOOT_M,
+            Some("ft") => heliotile_place::epsg_numbers::FOOT_M,
             _ => number("to_meter").unwrap_or(1.0),
         };
         if get("proj") == Some("utm") {

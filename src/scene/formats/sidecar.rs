@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec2;
 
-use crate::epsg_numbers::Axes;
 use crate::formats::gdal_metadata::{BandNotes, element, unescaped};
 use crate::formats::wkt::TextSystem;
 use crate::terrain::raster::{Meaning, degrees, geocentric};
 use crate::text::{excerpt, utf8};
 use heliotile_core::error::{Error, Result};
 use heliotile_files::input;
+use heliotile_place::epsg_numbers::Axes;
 
 /// Position of a raster: centre of its first cell, and cell size east and south, in units of its
 /// system.

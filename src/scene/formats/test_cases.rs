@@ -5,8 +5,8 @@ use std::path::Path;
 use crate::Scene;
 use crate::covering::surfaces::Surfaces;
 use crate::load::Soup;
-use crate::semantics::SurfaceKind;
 use crate::site::{Part, SceneFiles};
+use heliotile_core::site::semantics::SurfaceKind;
 
 /// Reads a file of `tests/data`.
 pub fn load(name: &str) -> Result<(Scene, Soup), String> {

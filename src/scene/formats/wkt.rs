@@ -2,11 +2,11 @@
 //! Esri's dialect, or the keywords of ArcInfo). Out: the EPSG number, and the units of plane
 //! coordinates and heights.
 
-use crate::epsg_numbers::{Axes, axes_of};
 use crate::formats::gdal_metadata::metres_of_unit;
 use crate::formats::projections::Projection;
-use crate::reference::Reference;
 use crate::text::excerpt;
+use heliotile_place::epsg_numbers::{Axes, axes_of};
+use heliotile_place::reference::Reference;
 
 /// Coordinate system that a text describes.
 #[derive(Clone, Debug, Default, PartialEq)]

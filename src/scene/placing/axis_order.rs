@@ -4,7 +4,7 @@
 use std::fmt;
 
 use crate::placing::from_degrees::FromDegrees;
-use crate::reference::Reference;
+use heliotile_place::reference::Reference;
 
 /// Relative difference between a metre of a system and a metre on the ground that is allowed where
 /// the system is made for the place.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use glam::DVec3;
 
-use crate::reference::Reference;
+use heliotile_place::reference::Reference;
 
 /// Largest upward component of the unit normal of a wall, up or down (sine of the angle; 6
 /// degrees).

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use heliotile_core::named::NamedValues;
 
-use crate::reference::{Reference, Unplaced};
+use heliotile_place::reference::{Reference, Unplaced};
 
 /// Place of a site on Earth, its rotation, and the unit of its files.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize, Request)]

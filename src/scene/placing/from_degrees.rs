@@ -6,8 +6,8 @@ use glam::DVec2;
 use proj4rs::Proj;
 use proj4rs::transform::transform;
 
-use crate::epsg_numbers::{Axes, axes_of, horizontal_part};
-use crate::reference::{PlaneSystem, Reference, Unplaced};
+use heliotile_place::epsg_numbers::{Axes, axes_of, horizontal_part};
+use heliotile_place::reference::{PlaneSystem, Reference, Unplaced};
 
 /// Geographic system that is assumed where none is known: the shifts of those in use today against
 /// WGS 84 are below a metre.

@@ -14,10 +14,10 @@ use glam::{DVec2, DVec3};
 use crate::ground::endless;
 use crate::mesh::bounds;
 use crate::placing::extent::Extent;
-use crate::reference::Reference;
 use crate::{LoadReport, Scene};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::receiver::Receiver;
+use heliotile_place::reference::Reference;
 
 /// Median height of walls, by area, that no city reaches, metres: storeys are 3 m, faces of towers
 /// 50 to 200 m (a quarter of Manhattan has 100 m). A house in centimetres has 300 to 1000.

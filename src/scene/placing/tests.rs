@@ -8,10 +8,10 @@ use crate::Scene;
 use crate::covering::surfaces::Surfaces;
 use crate::placing::frame::{SiteFrame, UpAxis};
 use crate::placing::plausible::far_receivers;
-use crate::semantics::SurfaceKind;
 use crate::site::{Part, SceneFiles};
 use heliotile_core::error::Result;
 use heliotile_core::site::receiver::Receiver;
+use heliotile_core::site::semantics::SurfaceKind;
 
 /// Returns a house of 10 x 8 m with walls of 6 m, each number times `unit`, at a place.
 fn house(unit: f64, [x, y, z]: [f64; 3]) -> String {

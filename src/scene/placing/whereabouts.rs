@@ -8,9 +8,9 @@ use crate::LoadReport;
 use crate::mesh::bounds;
 use crate::placing::extent::Extent;
 use crate::placing::frame::SiteFrame;
-use crate::reference::Reference;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::place::Place;
+use heliotile_place::reference::Reference;
 
 /// Largest distance between the place that the user states and the one that files state, km: more
 /// than a city, less than the distance of a weather station in another climate.

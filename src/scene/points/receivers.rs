@@ -13,14 +13,13 @@ use crate::text::excerpt;
 use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::site::north::North;
+use heliotile_core::site::patch::PATCH;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_files::csv_rows::{CsvRows, cell_error};
 
 const NAMES: [Names; 2] = [&["receiver"], &["point"]];
 const AREA: Names = &["area_m2", "area"];
 const SURFACE: Names = &["surface"];
-/// Optional column of the part of its surface that the receiver stands for, as in a `Patch`.
-pub const PATCH: &str = "patch";
 /// Optional columns of the model part that the receiver stands for.
 const PART: [Names; ModelPart::COLUMNS.len()] = {
     const ALL: [&str; ModelPart::COLUMNS.len()] = ModelPart::COLUMNS;

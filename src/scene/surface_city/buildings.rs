@@ -6,7 +6,6 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use glam::DVec2;
 
 use crate::plan::signed_area_m2;
-use crate::semantics::SurfaceKind;
 use crate::surface_city::floor::Moved;
 use crate::surface_city::lattice::{Lattice, Spot};
 use crate::surface_city::layers::Layers;
@@ -16,6 +15,7 @@ use crate::surface_city::roofs::RoofPiece;
 use crate::surface_city::straight::Polyline;
 use crate::surface_city::writer::{Corner, FaceOf, Writer};
 use heliotile_core::error::Result;
+use heliotile_core::site::semantics::SurfaceKind;
 
 /// Difference below which heights of two planes at a corner are equal, metres.
 const ONE_HEIGHT_M: f64 = 0.02;

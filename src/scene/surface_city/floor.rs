@@ -16,8 +16,8 @@ use crate::terrain::thinning::thin_within;
 use heliotile_core::error::Result;
 use heliotile_core::site::scene_object::ObjectNote;
 
-use crate::semantics::SurfaceKind;
 use crate::terrain::surface::NAME;
+use heliotile_core::site::semantics::SurfaceKind;
 
 /// Largest error of thinned ground, metres, and its growth a metre away from buildings (0.2
 /// degrees, as for far terrain).

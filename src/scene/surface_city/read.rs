@@ -10,7 +10,6 @@ use glam::{DVec2, DVec3};
 use crate::formats::{Asked, Content, read};
 use crate::geometry::Geometry;
 use crate::placing::frame::SiteFrame;
-use crate::reference::Reference;
 use crate::region_part::RegionPart;
 use crate::site::Part;
 use crate::surface_city::layers::{Companions, Layer, MAX_CELLS, check_place, resampled};
@@ -18,6 +17,7 @@ use crate::surface_city::{City, city};
 use crate::surface_rasters::SurfaceRasters;
 use crate::terrain::raster::{Grid, Raster};
 use heliotile_core::error::{Error, Result};
+use heliotile_place::reference::Reference;
 
 /// Depth of terrain below the edge of a city, metres, so that the ground of the city hides it.
 const BELOW_EDGE_M: f32 = 0.5;

@@ -6,8 +6,8 @@ use std::path::Path;
 use glam::{DVec2, DVec3};
 
 use super::*;
-use crate::semantics::SurfaceKind;
 use crate::terrain::raster::{Grid, Raster};
+use heliotile_core::site::semantics::SurfaceKind;
 
 /// Returns a raster of a function of the place, with cells of a width.
 fn raster(columns: usize, rows: usize, cell_m: f64, height: impl Fn(DVec2) -> f64) -> Raster {

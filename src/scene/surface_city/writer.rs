@@ -6,9 +6,9 @@ use std::path::Path;
 use glam::DVec2;
 
 use crate::geometry::Geometry;
-use crate::semantics::{FaceNote, FaceSource, SurfaceKind};
 use heliotile_core::error::Result;
 use heliotile_core::site::scene_object::ObjectNote;
+use heliotile_core::site::semantics::{FaceNote, FaceSource, SurfaceKind};
 
 /// A corner of a face.
 #[derive(Clone, Copy, Debug, PartialEq)]

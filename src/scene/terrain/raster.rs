@@ -9,9 +9,9 @@ use glam::{DVec2, DVec3};
 
 use crate::coordinate::is_position;
 use crate::placing::frame::{SiteFrame, UpAxis};
-use crate::reference::Reference;
 use crate::site::Part;
 use heliotile_core::error::{Error, Result};
+use heliotile_place::reference::Reference;
 
 /// Most samples of a raster: 1 GB of heights, and as many triangles as a scene may have.
 pub(crate) const MAX_SAMPLES: u64 = 1 << 28;

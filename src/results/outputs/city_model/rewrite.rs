@@ -12,7 +12,7 @@ use serde_json::value::RawValue;
 use super::fields::{Fields, Members, parsed};
 use super::sums::{Means, ModelSums, ObjectSums, PREFIX};
 use super::theme::Theme;
-use heliotile_scene::semantics::{FaceNote, FaceSource, SourceFace};
+use heliotile_core::site::semantics::{FaceNote, FaceSource, SourceFace};
 
 /// Error of a rewrite.
 #[derive(Debug)]

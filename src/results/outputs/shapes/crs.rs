@@ -5,7 +5,7 @@ use glam::DVec3;
 use serde_json::Value;
 
 use heliotile_core::site::place::Place;
-use heliotile_scene::reference::PlaneSystem;
+use heliotile_place::reference::PlaneSystem;
 
 /// Definitions of projected systems, a line each: number in the EPSG register, tab, PROJJSON; made
 /// by `tools/crs-definitions`.

@@ -7,7 +7,7 @@
 use std::path::Path;
 
 use crate::geometry::{Geometry, Polygon};
-use crate::semantics::SurfaceKind;
+use heliotile_core::site::semantics::SurfaceKind;
 
 /// Depth below z = 0 that is taken for rounding of coordinates, metres.
 const ROUNDED_M: f64 = 0.01;

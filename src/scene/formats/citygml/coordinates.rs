@@ -11,13 +11,13 @@ use glam::DVec3;
 use heliotile_core::text::Message;
 
 use crate::coordinate::is_position;
-use crate::epsg_numbers::{Axes, axes_of, horizontal_part};
 use crate::formats::citygml::northing_first::is_northing_first;
 use crate::formats::citygml::srs_name::SrsName;
 use crate::placing::axis_order::{Degrees, STRETCH, Swap, stretch};
 use crate::placing::from_degrees::FromDegrees;
-use crate::reference::{PlaneSystem, Reference, Unplaced};
 use crate::text::excerpt;
+use heliotile_place::epsg_numbers::{Axes, axes_of, horizontal_part};
+use heliotile_place::reference::{PlaneSystem, Reference, Unplaced};
 
 /// Reason why a position cannot be computed.
 pub(super) enum Unusable {

@@ -11,7 +11,6 @@ use std::path::Path;
 use glam::DVec3;
 use serde_json::Value;
 
-use crate::epsg_numbers::Axes;
 use crate::formats::Asked;
 use crate::formats::citygml::ENDINGS;
 use crate::formats::citygml::attributes::Attributes;
@@ -21,9 +20,10 @@ use crate::formats::citygml::xml::{Element, Xml};
 use crate::formats::cityjson::templates::MAX_CORNERS;
 use crate::formats::features::{Collector, Feature, FeatureSystem};
 use crate::geometry::Geometry;
-use crate::reference::Reference;
 use heliotile_core::error::{Error, Result};
 use heliotile_files::input;
+use heliotile_place::epsg_numbers::Axes;
+use heliotile_place::reference::Reference;
 
 /// Aggregates of polygons.
 const AGGREGATES: [&str; 10] = [

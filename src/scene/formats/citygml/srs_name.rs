@@ -1,7 +1,7 @@
 //! Names of coordinate systems as GML spells them. In: the text of `srsName`. Out: EPSG numbers,
 //! the unit of heights, and whether the axes follow the register.
 
-use crate::epsg_numbers::{epsg_numbers_in, height_unit_m};
+use heliotile_place::epsg_numbers::{epsg_numbers_in, height_unit_m};
 
 /// Coordinate system as a file names it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -14,9 +14,9 @@ use crate::formats::citygml::xml::Xml;
 use crate::formats::{Asked, Content};
 use crate::geometry::Geometry;
 use crate::polygon::area_vector_of;
-use crate::reference::Reference;
-use crate::semantics::SurfaceKind;
 use heliotile_core::error::Result;
+use heliotile_core::site::semantics::SurfaceKind;
+use heliotile_place::reference::Reference;
 
 /// Corners of a box of 10 x 10 x 5 m, and its six faces: floor, roof and four walls, turned
 /// outwards.

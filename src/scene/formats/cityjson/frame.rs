@@ -6,11 +6,11 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use crate::epsg_numbers::{Axes, axes_of, epsg_numbers_in};
 use crate::formats::cityjson::document::Document;
-use crate::reference::Reference;
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
+use heliotile_place::epsg_numbers::{Axes, axes_of, epsg_numbers_in};
+use heliotile_place::reference::Reference;
 
 /// Conversion of the file's numbers to metres.
 #[derive(Clone, Copy, Debug)]

@@ -14,10 +14,10 @@ use crate::formats::cityjson::surfaces::{
 };
 use crate::formats::cityjson::templates::{CORNER_BYTES, MAX_CORNERS, Template, matrix};
 use crate::geometry::Geometry;
-use crate::semantics::{FaceNote, FaceSource};
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::scene_object::ObjectNote;
+use heliotile_core::site::semantics::{FaceNote, FaceSource};
 use heliotile_files::input::budget::WorkBudget;
 
 /// Reason for leaving out flat outlines of buildings.

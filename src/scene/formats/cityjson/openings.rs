@@ -9,7 +9,7 @@ use glam::DVec3;
 use crate::formats::building::frame::Frame;
 use crate::formats::building::holes::{Fit, ROUNDED_M, Wall, fit};
 use crate::geometry::Geometry;
-use crate::semantics::SurfaceKind;
+use heliotile_core::site::semantics::SurfaceKind;
 
 /// A wall or a roof, and the holes that are cut out of it.
 struct Panel {

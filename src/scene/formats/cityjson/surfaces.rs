@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use crate::formats::cityjson::document::{Shape, Text};
 use crate::geometry::Geometry;
-use crate::semantics::SurfaceKind;
+use heliotile_core::site::semantics::SurfaceKind;
 
 /// Upward part of the unit normal below which a face is a wall: 0.26 is 75 degrees from level.
 /// Mansard roofs reach 70 degrees, and walls of photogrammetry lean by ten.

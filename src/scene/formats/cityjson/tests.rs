@@ -9,8 +9,8 @@ use crate::formats::Asked;
 use crate::formats::cityjson::parse;
 use crate::geometry::Geometry;
 use crate::polygon::triangulate;
-use crate::reference::Reference;
 use heliotile_core::error::Result;
+use heliotile_place::reference::Reference;
 
 /// A box of 10 x 10 x 5 units as a Solid, its six faces turned outward: floor, roof and four walls.
 const BOX: &str = "[[[[0,3,2,1]],[[4,5,6,7]],[[0,1,5,4]],[[1,2,6,5]],[[2,3,7,6]],[[3,0,4,7]]]]";

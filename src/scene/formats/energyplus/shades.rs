@@ -12,9 +12,9 @@ use crate::formats::energyplus::model::{Model, Object};
 use crate::formats::energyplus::place::{Of, Place};
 use crate::formats::energyplus::surfaces::{NO_SIZE, Surface, Surfaces, Title, stated_vertices, write_face};
 use crate::geometry::Geometry;
-use crate::semantics::SurfaceKind;
 use glam::DVec3;
 use heliotile_core::error::Result;
+use heliotile_core::site::semantics::SurfaceKind;
 
 const NO_WINDOW: &str = "because the window or door that they shade is not in the file";
 

@@ -18,9 +18,9 @@ use crate::formats::energyplus::model::{Model, Object, same};
 use crate::formats::energyplus::place::{Of, Place};
 use crate::formats::energyplus::turned::turn_outwards;
 use crate::geometry::Geometry;
-use crate::semantics::{FaceNote, FaceSource, SurfaceKind};
 use heliotile_core::error::Result;
 use heliotile_core::site::scene_object::ObjectNote;
+use heliotile_core::site::semantics::{FaceNote, FaceSource, SurfaceKind};
 
 pub(super) const NO_SIZE: &str = "with a length, height or depth that is not above 0";
 const NO_BASE: &str = "because the surface that they name is not in the file";

@@ -19,7 +19,7 @@ use crate::footprints::region::{is_crossed, oriented, repaired, united};
 use crate::footprints::stated::{Heights, NO_HEIGHT, Stated};
 use crate::formats::Asked;
 use crate::geometry::Geometry;
-use crate::semantics::FaceNote;
+use heliotile_core::site::semantics::FaceNote;
 
 /// Difference of corner heights above which a polygon is not level, metres.
 const LEVEL_M: f64 = 0.01;

@@ -12,8 +12,8 @@ use serde_json::{Map, Value};
 
 use super::feature::{Feature, TakeFeature};
 use super::system::FeatureSystem;
-use crate::epsg_numbers::epsg_numbers_in;
 use crate::text::{excerpt, without_byte_order_mark};
+use heliotile_place::epsg_numbers::epsg_numbers_in;
 
 /// Deepest nesting of geometry collections that is read; only hostile files have more.
 const DEPTH: usize = 8;

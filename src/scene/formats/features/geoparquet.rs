@@ -14,9 +14,9 @@ use serde_json::{Map, Value, json};
 use super::feature::{Feature, TakeFeature};
 use super::shapes::{Shapes, unreadable};
 use super::system::FeatureSystem;
-use crate::epsg_numbers::{Axes, epsg_numbers_in};
 use crate::text::excerpt;
 use heliotile_files::input::budget::WorkBudget;
+use heliotile_place::epsg_numbers::{Axes, epsg_numbers_in};
 
 /// Deepest nesting of structures that is read: Overture has three.
 const DEPTH: usize = 8;

@@ -7,12 +7,12 @@ use std::path::Path;
 use glam::DVec2;
 use heliotile_core::error::{Error, Result};
 
-use crate::epsg_numbers::{Axes, axes_of};
 use crate::formats::wkt::TextSystem;
 use crate::placing::axis_order::{Degrees, Swap};
 use crate::placing::from_degrees::FromDegrees;
-use crate::reference::{PlaneSystem, Reference, Unplaced};
 use crate::text::excerpt;
+use heliotile_place::epsg_numbers::{Axes, axes_of};
+use heliotile_place::reference::{PlaneSystem, Reference, Unplaced};
 
 /// EPSG number of Web Mercator, whose metre is true only at the equator.
 const WEB_MAPS: u32 = 3857;

@@ -6,8 +6,8 @@ use crate::Scene;
 use crate::covering::surfaces::Surfaces;
 use crate::footprint_options::FootprintOptions;
 use crate::load::Soup;
-use crate::semantics::SurfaceKind;
 use crate::site::{Part, SceneFiles};
+use heliotile_core::site::semantics::SurfaceKind;
 
 /// Returns the path of a file of the town that `tests/data/footprints/town.py` writes.
 fn town(ending: &str) -> PathBuf {

@@ -12,9 +12,9 @@ use crate::formats::honeybee::document::{Face3D, Room};
 use crate::formats::honeybee::materials::Materials;
 use crate::formats::honeybee::properties::ObjectProperties;
 use crate::geometry::Geometry;
-use crate::semantics::{FaceNote, FaceSource, SurfaceKind};
 use heliotile_core::error::Result;
 use heliotile_core::site::scene_object::ObjectNote;
+use heliotile_core::site::semantics::{FaceNote, FaceSource, SurfaceKind};
 
 /// A surface of a model, without its geometry.
 #[derive(Clone, Copy)]

@@ -1,0 +1,128 @@
+//! Folder of `pv`: the files it holds, and checks before they are written. In: a request, the
+//! results. Out: names, and a refusal if results of other inputs would be lost.
+
+use std::path::{Path, PathBuf};
+
+use super::PvRequest;
+use super::modules::{GEOMETRY, MATERIALS};
+use super::spots::Spots;
+use crate::run::made_from::MadeFrom;
+use heliotile_core::archive::Archive;
+use heliotile_core::error::Result;
+use heliotile_core::weather::series::Weather;
+use heliotile_files::writing::guards::guard_archive;
+use heliotile_results::outputs::pv::horizon;
+use heliotile_results::outputs::tables::format::files_of;
+use heliotile_scene::site::SceneFiles;
+use heliotile_scene::site::guard_site;
+
+/// Files of the folder.
+pub struct PvFolder {
+    pub folder: PathBuf,
+    pub archive: PathBuf,
+    pub points: PathBuf,
+    pub months: PathBuf,
+    /// Tables of receivers on the ground, if there are any: a row each, and their months.
+    pub ground: Option<[PathBuf; 2]>,
+    pub hours: PathBuf,
+    pub horizon_table: PathBuf,
+    /// Folder with a list for each point.
+    pub horizons: PathBuf,
+    pub search: PathBuf,
+    pub best: PathBuf,
+    /// Folder with a picture for each point.
+    pub turns: PathBuf,
+}
+
+impl PvFolder {
+    /// Returns the files of a request; `has_ground` is true if there are receivers on the ground.
+    pub fn of(request: &PvRequest, has_ground: bool) -> Self {
+        let folder = request.folder.clone();
+        let file = |name: &str| folder.join(name);
+        PvFolder {
+            archive: file("site.helio"),
+            points: file("points.csv"),
+            months: file("months.csv"),
+            ground: has_ground.then(|| ["ground.csv", "ground_months.csv"].map(file)),
+            hours: file(&format!("hourly.{}", request.format)),
+            horizon_table: file("horizons.csv"),
+            horizons: file("horizon"),
+            search: file("search.csv"),
+            best: file("best.csv"),
+            turns: file("turns"),
+            folder,
+        }
+    }
+
+    /// Returns the path of a point's horizon, relative to the folder.
+    pub fn list_of(point: &str) -> String {
+        format!("horizon/{}", horizon::file_of(point))
+    }
+
+    /// Returns the path of the picture of a point's orientations, relative to the folder.
+    pub fn picture_of(point: &str) -> String {
+        format!("turns/{point}.svg")
+    }
+
+    /// Returns the tables that are written.
+    fn tables(&self, request: &PvRequest) -> Vec<&Path> {
+        let mut tables: Vec<&Path> = vec![&self.points, &self.months];
+        tables.extend(self.ground.iter().flatten().map(PathBuf::as_path));
+        if request.points.is_some() {
+            tables.push(&self.horizon_table);
+        }
+        if request.hourly {
+            tables.push(&self.hours);
+        }
+        if request.search {
+            tables.extend([self.search.as_path(), &self.best]);
+        }
+        tables
+    }
+
+    /// Refuses to replace an input, a folder or a device.
+    pub fn guard(&self, site: &SceneFiles, request: &PvRequest) -> Result<()> {
+        let inputs = [
+            Some(request.weather.as_path()),
+            request.points.as_deref(),
+            request.rows.as_deref(),
+            request.accuracy.error_weather.as_deref(),
+        ];
+        let tables = self.tables(request);
+        let outputs = tables.iter().flat_map(|table| files_of(table)).chain([self.archive.clone()]);
+        let outputs = outputs.chain(["receivers.csv", GEOMETRY, MATERIALS].map(|name| self.folder.join(name)));
+        for output in outputs {
+            guard_site(&output, site, &inputs)?;
+        }
+        guard_archive(&self.archive)
+    }
+
+    /// Refuses to replace results of other weather, before any work.
+    pub fn check_weather(&self, weather: &Weather, request: &PvRequest) -> Result<()> {
+        if request.replace {
+            return Ok(());
+        }
+        MadeFrom::check(&self.folder, weather, self.tables(request).into_iter().map(Path::to_owned))
+    }
+
+    /// Records that the folder belongs to this archive and weather, so that results can be written
+    /// there.
+    pub fn claim(&self, archive: &Archive, weather: &Weather, request: &PvRequest, spots: &Spots) -> Result<()> {
+        let in_folder = |path: &Path| path.strip_prefix(&self.folder).ok().map(|name| name.display().to_string());
+        let mut names: Vec<String> =
+            self.tables(request).iter().flat_map(|table| files_of(table)).filter_map(|file| in_folder(&file)).collect();
+        // Names are built by hand, so that they have the same form on all systems.
+        for point in spots.list.iter().map(|spot| &spot.name) {
+            names.extend(request.points.is_some().then(|| PvFolder::list_of(point)));
+            names.extend(request.search.then(|| PvFolder::picture_of(point)));
+        }
+        let mut now = MadeFrom::new(archive, weather, &request.weather, names);
+        now.claim(&self.folder, request.replace)
+    }
+
+    /// Returns the names of the tables, relative to the folder.
+    pub fn names(&self, request: &PvRequest) -> Vec<String> {
+        let name = |file: &Path| file.strip_prefix(&self.folder).unwrap_or(file).display().to_string();
+        self.tables(request).into_iter().map(name).collect()
+    }
+}

@@ -1,0 +1,153 @@
+//! Rows of modules in a scene. In: `rows.toml`, the scene without them. Out: the position of each
+//! module, and the modules as a file of the scene, so that they shade and light one another.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use glam::{DVec2, DVec3};
+
+use heliotile_builder::siting::Siting;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::observer::Observer;
+use heliotile_core::orientation::fan::Orientation;
+use heliotile_core::site::north::North;
+use heliotile_core::text::{counted, message};
+use heliotile_results::outputs::sink::write_texts;
+use heliotile_scene::covering::surfaces::Surfaces;
+use heliotile_scene::pv::layout::{Laid, Module, Outline, lay};
+use heliotile_scene::pv::rows::{RowsGround, RowsOfModules, surface_named};
+use heliotile_scene::site::{Part, SceneFiles};
+
+/// Names of the files of modules.
+pub const GEOMETRY: &str = "modules.obj";
+pub const MATERIALS: &str = "modules.toml";
+
+/// Largest number of modules: more are a mix-up of metres and millimetres.
+const MAX_MODULES: usize = 1_000_000;
+/// Largest number of positions that are tried for rows: those of some 10 km2.
+const MAX_PLACES: f64 = 1e9;
+
+/// Rows with their modules.
+pub struct LaidRows {
+    fields: Vec<Field>,
+}
+
+/// Rows of one kind of module on their area.
+pub struct Field {
+    pub rows: RowsOfModules,
+    pub modules: Vec<Module>,
+    pub outline: Outline,
+    /// Direction of true north in the scene's axes.
+    pub north: North,
+}
+
+impl LaidRows {
+    /// Lays rows out on a scene.
+    pub fn lay(
+        file: &Path,
+        rows: Vec<RowsOfModules>,
+        surfaces: &Surfaces,
+        siting: &Siting,
+        north: North,
+        observer: &dyn Observer,
+    ) -> Result<Self> {
+        let mut fields = Vec::new();
+        for rows in rows {
+            let outline = match &rows.ground {
+                RowsGround::Area(corners) => Outline::of_polygon(corners),
+                RowsGround::Surface(name) => match surface_named(surfaces, name) {
+                    Ok(surface) => Outline::of_surface(surface),
+                    Err(near) => {
+                        let what = format!("the scene has no surface `{name}`");
+                        let hint = message!("name one that `{{command:receivers}}` lists, such as {}", near.join(", "));
+                        return Err(Error::input(file, None, what, hint));
+                    }
+                },
+            };
+            if outline.places(rows.pitch_m) > MAX_PLACES {
+                let what = format!("the rows `{}`: their area is too wide to search for places of modules", rows.name);
+                let hint = "check that its corners are metres in the coordinates of the scene; split a larger field into several [[rows]]";
+                return Err(Error::input(file, None, what, hint));
+            }
+            let below = |p: DVec2| siting.top(p.x, p.y).map(|top| top.z);
+            let Laid { modules, rows: in_rows, left_out } = lay(&rows, north, &outline, below);
+            if modules.is_empty() {
+                let what = format!("the rows `{}`: no module fits", rows.name);
+                return Err(Error::input(
+                    file,
+                    None,
+                    what,
+                    "give a larger area, a smaller setback or another orientation",
+                ));
+            }
+            if modules.len() > MAX_MODULES {
+                let (what, value) = ("the number of modules of rows".into(), modules.len() as u64);
+                return Err(Error::Limit { what, value, max: MAX_MODULES as u64 });
+            }
+            if left_out > 0 {
+                observer.warn(format!(
+                    "{}: the rows `{}`: {} left out: no surface below, or an object passes through",
+                    file.display(),
+                    rows.name,
+                    counted(left_out as u64, "module")
+                ));
+            }
+            observer.note(format!(
+                "the rows `{}` have {} in {}",
+                rows.name,
+                counted(modules.len() as u64, "module"),
+                counted(in_rows as u64, "row")
+            ));
+            fields.push(Field { rows, modules, outline, north });
+        }
+        Ok(LaidRows { fields })
+    }
+
+    /// Returns all fields, in the order of the file.
+    pub fn fields(&self) -> &[Field] {
+        &self.fields
+    }
+
+    /// Returns all modules, with the orientation and the number of receivers of their rows.
+    pub fn modules(&self) -> impl Iterator<Item = (&Module, Orientation, usize)> {
+        self.fields
+            .iter()
+            .flat_map(|Field { rows, modules, .. }| modules.iter().map(|module| (module, rows.turn, rows.samples)))
+    }
+
+    /// Writes the modules into a folder and adds them to a site.
+    pub fn add_to(&self, site: &mut SceneFiles, folder: &Path) -> Result<()> {
+        let (geometry, materials) = self.texts();
+        write_texts(folder, &[(GEOMETRY, geometry), (MATERIALS, materials)])?;
+        let (geometry, materials): (PathBuf, PathBuf) = (folder.join(GEOMETRY), folder.join(MATERIALS));
+        // The modules are in metres of the scene, whatever applies to its other files.
+        let part = Part::plain(&geometry, Some(&materials));
+        site.parts.push(Part { scale: Some(1.0), elevation_m: Some(0.0), ..part });
+        Ok(())
+    }
+
+    /// Returns the OBJ file and the file of its materials' reflectances.
+    fn texts(&self) -> (String, String) {
+        let (mut obj, mut toml, mut corner) = (String::new(), String::new(), 0);
+        for Field { rows, modules, .. } in &self.fields {
+            let [front, rear] = ["front", "rear"].map(|side| format!("pv {side} {}", rows.name));
+            for (material, reflectance) in [&front, &rear].into_iter().zip(rows.reflectances) {
+                let _ = writeln!(toml, "[\"{material}\"]\ndiffuse = {reflectance}\nclass = \"obstruction\"");
+            }
+            for module in modules {
+                let _ = writeln!(obj, "o {}", module.name);
+                let all: Vec<DVec3> = module.front.into_iter().chain(module.rear()).collect();
+                for p in all {
+                    let _ = writeln!(obj, "v {} {} {}", p.x, p.y, p.z);
+                }
+                let face = |of: [usize; 4]| of.map(|i| (corner + i).to_string()).join(" ");
+                let _ = writeln!(obj, "usemtl {front}\nf {}\nusemtl {rear}", face([1, 2, 3, 4]));
+                for of in [[8, 7, 6, 5], [1, 5, 6, 2], [2, 6, 7, 3], [3, 7, 8, 4], [4, 8, 5, 1]] {
+                    let _ = writeln!(obj, "f {}", face(of));
+                }
+                corner += 8;
+            }
+        }
+        (obj, toml)
+    }
+}

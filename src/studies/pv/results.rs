@@ -1,0 +1,224 @@
+//! Results of `pv`. In: an archive of its receivers, weather. Out: the tables, lists and pictures
+//! of the folder.
+
+use std::collections::{HashMap, HashSet};
+use std::fs;
+
+use super::PvRequest;
+use super::folder::PvFolder;
+use super::ground::GroundSpot;
+use super::light::Light;
+use super::open_plain::OpenPlain;
+use super::spots::{Spot, SpotSide, Spots};
+use heliotile_archives::transfer::ArchiveReceivers;
+use heliotile_builder::siting::Siting;
+use heliotile_core::archive::Archive;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::opened::OpenSite;
+use heliotile_core::orientation::fan::Orientation;
+use heliotile_core::site::north::North;
+use heliotile_results::outputs::provenance::Provenance;
+use heliotile_results::outputs::pv::ground::{GroundSums, PlantLight, SumsOnGround, write_ground, write_ground_months};
+use heliotile_results::outputs::pv::horizon::{self, PointHorizon};
+use heliotile_results::outputs::pv::hourly::{HourlyTable, ONE_SIDE, SideHours, TWO_SIDES};
+use heliotile_results::outputs::pv::polar;
+use heliotile_results::outputs::pv::search::{PointSearch, write_all, write_best};
+use heliotile_results::outputs::pv::sums::{MonthlySums, SideSums, write_months, write_points};
+use heliotile_results::outputs::sink::write_texts;
+use heliotile_scene::Scene;
+
+/// Number of directions of a horizon.
+const HORIZON_DIRECTIONS: usize = 360;
+
+/// Results of a replay, and the sky view of a receiver.
+struct OfReceiver {
+    months: MonthlySums,
+    /// Cosine-weighted share of its hemisphere that is sky.
+    sky_view: f64,
+}
+
+/// Inputs of the results.
+pub struct Results<'a, 'l> {
+    pub request: &'a PvRequest,
+    pub files: &'a PvFolder,
+    pub light: &'a Light<'l>,
+    pub archive: &'a Archive,
+    pub spots: &'a Spots,
+    pub ground: &'a [GroundSpot],
+    pub about: &'a Provenance,
+}
+
+impl Results<'_, '_> {
+    /// Writes sums, hours and horizons, and returns the sums of sides and of the ground. `scene` is
+    /// the one without modules.
+    pub fn write(&self, scene: &Scene, siting: &Siting, north: North) -> Result<(Vec<SideSums>, SumsOnGround)> {
+        let (files, about) = (self.files, self.about);
+        let has_horizons = self.request.points.is_some();
+        let of_receiver = self.of_receivers()?;
+        let sides = self.sums(scene, &of_receiver, has_horizons)?;
+        let ground = self.sums_on_ground(scene, &of_receiver)?;
+        if files.ground.is_some() {
+            self.light.tell_par(self.archive)?;
+        }
+        if has_horizons {
+            let horizons = self.horizons(siting, north);
+            fs::create_dir_all(&files.horizons).map_err(Error::io(&files.horizons, "create"))?;
+            horizon::write_lists(&files.horizons, &horizons)?;
+            horizon::write_table(&files.horizon_table, &horizons, about)?;
+        }
+        write_points(&files.points, &sides, about)?;
+        let months = self.light.month_labels(self.archive)?;
+        write_months(&files.months, &sides, &months, about)?;
+        if let Some([places, by_month]) = &files.ground {
+            write_ground(places, &ground, about)?;
+            write_ground_months(by_month, &ground, &months, about)?;
+        }
+        if self.request.hourly {
+            self.write_hours()?;
+        }
+        Ok((sides, ground))
+    }
+
+    /// Writes the results of a search.
+    pub fn write_search(&self, searched: &[PointSearch]) -> Result<()> {
+        let (files, about) = (self.files, self.about);
+        write_all(&files.search, searched, about)?;
+        write_best(&files.best, searched, about)?;
+        fs::create_dir_all(&files.turns).map_err(Error::io(&files.turns, "create"))?;
+        searched.iter().try_for_each(|search| {
+            write_texts(&files.folder, &[(&PvFolder::picture_of(&search.point), polar::svg(search, about))])
+        })
+    }
+
+    /// Returns the horizon of every point, from true north.
+    fn horizons(&self, siting: &Siting, north: North) -> Vec<PointHorizon> {
+        let of = |spot: &Spot| PointHorizon {
+            point: spot.name.clone(),
+            altitudes_deg: siting.horizon(spot.position, HORIZON_DIRECTIONS, -north.y_deg()).altitudes_deg,
+        };
+        self.spots.list.iter().map(of).collect()
+    }
+
+    /// Returns sums and sky views of all receivers, by name.
+    fn of_receivers(&self) -> Result<HashMap<String, OfReceiver>> {
+        let months = self.light.monthly(self.archive)?;
+        let mut all: HashMap<String, OfReceiver> =
+            months.into_iter().map(|(id, months)| (id, OfReceiver { months, sky_view: 0.0 })).collect();
+        for row in ArchiveReceivers::<()>::new(&OpenSite::of(self.archive)?) {
+            let row = row?;
+            if let Some(found) = all.get_mut(&row.receiver.id) {
+                found.sky_view = f64::from(row.views[0]);
+            }
+        }
+        Ok(all)
+    }
+
+    /// Returns the sums of every side, with those on an open plain.
+    fn sums(
+        &self,
+        scene: &Scene,
+        of_receiver: &HashMap<String, OfReceiver>,
+        has_horizons: bool,
+    ) -> Result<Vec<SideSums>> {
+        let mut plain = OpenPlain::new(scene, self.archive, &self.files.folder);
+        let turns = |spot: &Spot| spot.sides.iter().map(|side| (spot.ground, spot.turn_of(side))).collect::<Vec<_>>();
+        let wanted = self.spots.list.iter().flat_map(turns);
+        plain.learn(wanted, |archive| self.light.monthly(archive), self.light.observer())?;
+        let of_side = |spot: &Spot, side: &SpotSide| {
+            let (mut months, mut sky_view) = (MonthlySums::default(), 0.0);
+            let share = 1.0 / side.receivers.len() as f64;
+            for (id, _) in &side.receivers {
+                let Some(found) = of_receiver.get(id) else { continue };
+                months.add(&found.months, share);
+                sky_view += share * found.sky_view;
+            }
+            let turn = spot.turn_of(side);
+            SideSums {
+                point: spot.name.clone(),
+                side: side.name,
+                position: spot.position,
+                turn,
+                open: plain.sums(spot.ground, turn),
+                sky_view,
+                horizon: if has_horizons { PvFolder::list_of(&spot.name) } else { String::new() },
+                bifacial_gain_percent: None,
+                months,
+            }
+        };
+        let of_spot = |spot: &Spot| {
+            let mut sides: Vec<SideSums> = spot.sides.iter().map(|side| of_side(spot, side)).collect();
+            if let [front, rear] = sides.as_mut_slice() {
+                let share = rear.months.total() / front.months.total().max(f64::MIN_POSITIVE);
+                front.bifacial_gain_percent = Some(100.0 * self.request.bifaciality * share);
+            }
+            sides
+        };
+        Ok(self.spots.list.iter().flat_map(of_spot).collect())
+    }
+
+    /// Returns the sums of every place on the ground, with the photosynthetically active radiation
+    /// on an open plain.
+    fn sums_on_ground(&self, scene: &Scene, of_receiver: &HashMap<String, OfReceiver>) -> Result<SumsOnGround> {
+        if self.ground.is_empty() {
+            return Ok(SumsOnGround::default());
+        }
+        let names: HashSet<&str> = self.ground.iter().map(|spot| spot.place.name.as_str()).collect();
+        let mut par = self.light.monthly_par(self.archive, |id| names.contains(id))?;
+        let mut plain: OpenPlain<PlantLight> = OpenPlain::new(scene, self.archive, &self.files.folder);
+        // A horizontal receiver that faces up sees nothing of the plain, so its material does not
+        // matter.
+        let wanted = std::iter::once((None, Orientation::FLAT));
+        plain.learn(wanted, |archive| self.light.monthly_par(archive, |_| true), self.light.observer())?;
+        let of_spot = |spot: &GroundSpot| {
+            let name = &spot.place.name;
+            let (Some(found), Some(par)) = (of_receiver.get(name), par.remove(name)) else {
+                let what = format!("the archive has no light of `{name}`, which it was built with");
+                return Err(Error::defect(self.archive.path(), "receivers", "id", what));
+            };
+            Ok(GroundSums {
+                receiver: name.clone(),
+                rows: spot.rows.clone(),
+                position: spot.place.position,
+                behind_m: spot.place.behind_m,
+                months: found.months.clone(),
+                par,
+                open: plain.sums(None, Orientation::FLAT),
+                sky_view: found.sky_view,
+            })
+        };
+        let places = self.ground.iter().map(of_spot).collect::<Result<_>>()?;
+        Ok(SumsOnGround { places, days: self.light.days(self.archive)? })
+    }
+
+    /// Writes the hours of every point and module. Memory holds only modules of which some
+    /// receivers are still to come, which are few: their receivers lie in neighbouring tiles.
+    fn write_hours(&self) -> Result<()> {
+        let light = self.light;
+        let labels = light.hour_labels(self.archive)?;
+        let about =
+            self.about.clone().with("stamp", light.stamp().name()).with("interval_minutes", light.interval_minutes());
+        let columns: &[&str] = if self.request.points.is_some() { &ONE_SIDE } else { &TWO_SIDES };
+        let points = self.spots.list.len() as u64;
+        let mut table = HourlyTable::create(&self.files.hours, columns, &labels, points, &about)?;
+        let bifaciality = self.request.bifaciality as f32;
+        let mut open: HashMap<usize, (usize, Vec<SideHours>)> = HashMap::new();
+        light.hourly(self.archive, |id, hours| {
+            let Some((place, side)) = self.spots.of_receiver(id) else { return Ok(()) };
+            let Some(spot) = self.spots.list.get(place) else { return Ok(()) };
+            let (seen, sides) = open.entry(place).or_insert_with(|| (0, vec![SideHours::default(); spot.sides.len()]));
+            *seen += 1;
+            if let (Some(sum), Some(of)) = (sides.get_mut(side), spot.sides.get(side)) {
+                sum.add(&hours, 1.0 / of.receivers.len() as f32);
+            }
+            if *seen < spot.sides.iter().map(|side| side.receivers.len()).sum() {
+                return Ok(());
+            }
+            match open.remove(&place).map(|(_, sides)| sides).as_deref() {
+                Some([front, rear]) => table.write(&spot.name, &front.with_rear(rear, bifaciality)),
+                Some([one]) => table.write(&spot.name, &one.one_side()),
+                _ => Ok(()),
+            }
+        })?;
+        table.finish()
+    }
+}
