@@ -42,7 +42,7 @@
 //! | [`heliotile_core`] | what an archive is and how it is replayed; every formula |
 //! | [`heliotile_files`] | files: unpacked on the way in, whole or absent on the way out, sorted beyond memory |
 //! | [`heliotile_archives`] | archives as files: written whole or resumed, cut, joined, compared |
-//! | [`heliotile_place`] | places on Earth: coordinate systems by number |
+//! | `heliotile_place` | places on Earth: coordinate systems by number |
 //! | [`heliotile_scene`] | files of the world: geometry, materials, receivers |
 //! | [`heliotile_builder`] | tracing, plans, the reference path tracer |
 //! | [`heliotile_remote`] | places of files: paths, and addresses in object stores (feature `remote`) |

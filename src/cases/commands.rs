@@ -192,6 +192,7 @@ commands![
         Large,
         "Cut a region into parts (an atlas) that are built one by one, on any machines, and then queried like one archive"
     ),
+    ("atlas find", Find, Large, "List the parts of an atlas that touch a box"),
     (
         "atlas catalogue",
         Catalogue,

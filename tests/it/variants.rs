@@ -273,8 +273,8 @@ pub fn run(folder: &Path, line: &str) -> (Option<i32>, String) {
 
 /// `build --from` an archive without reflections, where no hit is stored, has the bytes of a build
 /// without, also if nothing has changed. Other settings and an archive of another site are reported
-/// and not used. An archive without its scene, and the archive that is to be written, are refused. A
-/// folder of `run --from` holds the archive of `run`.
+/// and not used. An archive without its scene, and the archive that is to be written, are refused.
+/// A folder of `run --from` holds the archive of `run`.
 #[test]
 fn build_from_an_archive_has_the_bytes_of_a_build() {
     let folder = tempfile::tempdir().expect("a scratch folder");

@@ -79,5 +79,8 @@ pub mod archive_copy {}
 #[doc = include_str!("atlas-partition.md")]
 pub mod atlas_partition {}
 
+#[doc = include_str!("atlas-find.md")]
+pub mod atlas_find {}
+
 #[doc = include_str!("atlas-catalogue.md")]
 pub mod atlas_catalogue {}

@@ -85,8 +85,8 @@ pub struct RunRequest {
     /// on; several with commas.
     #[field(metavar = "PERIOD", delimiter = ',')]
     pub every: Vec<Every>,
-    /// Also check a rule of sunlight and write rules.csv: a name that `heliotile info --rule all` lists, or a
-    /// file with rules of your own (.toml); may be repeated.
+    /// Also check a rule of sunlight and write rules.csv: a name that `heliotile info --rule all`
+    /// lists, or a file with rules of your own (.toml); may be repeated.
     #[field(name = "rule", python = "rules", metavar = "NAME|FILE")]
     pub rules: Vec<String>,
     /// Grouping of rows in the tables of --every and --rule: what each row stands for.

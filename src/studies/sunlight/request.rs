@@ -39,8 +39,8 @@ pub struct SunlightRequest {
     /// Period of a row, without --rule: a day, or all days of a month, a year or all of them.
     #[field(default = "day")]
     pub every: Every,
-    /// Rule to check: a name that `heliotile info --rule all` lists, or a file with rules of your own
-    /// (.toml); may be repeated.
+    /// Rule to check: a name that `heliotile info --rule all` lists, or a file with rules of your
+    /// own (.toml); may be repeated.
     #[field(name = "rule", python = "rules", metavar = "NAME|FILE")]
     pub rules: Vec<String>,
     /// Archive or atlas before a change: adds its results, the minutes that changed, and the rules

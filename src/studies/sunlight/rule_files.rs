@@ -121,7 +121,7 @@ mod tests {
             ("name = \"a\"\nat_least = 1\ndates = [\"03-32\"]", "`03-32` is not a day"),
             ("name = \"a\"\nat_least = 1\nlit_share = 0.5\narea_share = 0.5", "not both"),
             ("name = \"a\"\nat_least = 1\nhours = 2", "unknown field `hours`"),
-            ("name = \"a\"\nat_least = 1\nclock = \"summer\"", "known values: standard, legal, solar"),
+            ("name = \"a\"\nat_least = 1\nclock = \"summer\"", "give one of standard, legal, solar"),
             ("name = \"a\"\nat_least = 25\nmeasure = \"vsc_percent\"\ndates = [\"03-21\"]", "no dates"),
         ] {
             let text = format!("\n[[rule]]\n{lines}\n");

@@ -62,7 +62,7 @@ mod tests {
         assert_eq!(entries_of_one, entries(other));
         assert_eq!(
             entries_of_one[1].1,
-            "heliotile replay 'a b.helio' --reflectance roof=0.3 --weather x.epw --year 2019"
+            "heliotile replay 'a b.helio' --weather x.epw --reflectance roof=0.3 --year 2019"
         );
         let options: Value = serde_json::from_str(&entries_of_one[2].1).expect("JSON");
         assert_eq!((&options["year"], &options["every"]), (&Value::from(2019), &Value::from("hour")));
