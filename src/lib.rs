@@ -29,9 +29,9 @@
 //! # What it is made of
 //!
 //! ```text
-//! requests <- core <- files <- archives <- remote <- results
-//!              ^-- place <- scene <- builder <- studies <- atlas, energyplus
-//!                                                ^---- heliotile <- program, python
+//! requests <- core <- files <- archives <- remote <- results <- studies <- atlas, energyplus
+//!              ^-- weather, comfort, place <---------'    scene <- builder <-'
+//!                                                          heliotile <- program, python
 //! ```
 //!
 //! Results reach neither scenes nor the tracer: what only replays compiles neither.
@@ -39,7 +39,9 @@
 //! | crate | what it holds |
 //! | --- | --- |
 //! | [`heliotile_requests`] | requests that declare their fields once, for every face |
-//! | [`heliotile_core`] | what an archive is and how it is replayed; every formula |
+//! | [`heliotile_core`] | what an archive is and how it is replayed |
+//! | [`heliotile_weather`] | weather files of all layouts: checked rows, series of conditions, doubts |
+//! | `heliotile_comfort` | thermal comfort of people: mean radiant temperature, UTCI, PET |
 //! | [`heliotile_files`] | files: unpacked on the way in, whole or absent on the way out, sorted beyond memory |
 //! | [`heliotile_archives`] | archives as files: written whole or resumed, cut, joined, compared |
 //! | `heliotile_place` | places on Earth: coordinate systems by number |
@@ -89,7 +91,6 @@ pub use heliotile_core::units::{Bytes, direction_from_degrees};
 pub use heliotile_core::weather::conditions::Condition;
 pub use heliotile_core::weather::options::{DateOrder, StampedAt, TimeShift, WeatherOptions};
 pub use heliotile_core::weather::span::Moment;
-pub use heliotile_core::weather::temperatures::Temperature;
 pub use heliotile_core::weather::time::clock_zone::ClockZone;
 pub use heliotile_energyplus::{EnergyplusRequest, Physics};
 pub use heliotile_requests as requests;
@@ -115,6 +116,7 @@ pub use heliotile_studies::{
     RunMap, RunRequest, SiteArchiveRequest, SiteBuild, SiteFolder, SunlightDone, SunlightRequest, TradeoffRequest,
     UpdateRequest, Verdict, shipped_rules,
 };
+pub use heliotile_weather::temperatures::Temperature;
 pub use site::{ReceiverTotal, Site, SiteOptions, SiteReplay};
 
 /// Archives as files: blocks, transfers between archives.
@@ -223,6 +225,6 @@ pub mod tracing {
 
 /// Weather: sums, distance from a site.
 pub mod weather {
-    pub use heliotile_core::weather::distance::far_apart;
-    pub use heliotile_core::weather::monthly::WeatherSums;
+    pub use heliotile_weather::distance::far_apart;
+    pub use heliotile_weather::monthly::WeatherSums;
 }

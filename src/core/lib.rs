@@ -1,4 +1,4 @@
-//! The content of an archive and its replay. Every formula stands here, and only here.
+//! The content of an archive and its replay, with every formula of both.
 //!
 //! # Map
 //!
@@ -7,7 +7,7 @@
 //!
 //! ```text
 //! error units text named memory hemisphere | observer | dome | orientation | site | layers | archive
-//!   | opened weather | sky | light | replay | sunlight comfort
+//!   | opened weather | sky | light | replay | sunlight
 //! ```
 //!
 //! | module | in | out |
@@ -18,12 +18,11 @@
 //! | [`archive`] | bytes of a file, of memory or of a remote | checked blocks by (kind, tile), the manifest, the settings |
 //! | [`opened`] | an archive, or blocks that are being written | a site that was checked once: settings, materials, mirrors, layers of tiles |
 //! | [`dome`] | bytes of tables and matrices of the sky, pixels of photographs | values of the sky's patches by row, on any subdivision |
-//! | [`weather`] | bytes of weather files | conditions with the sun's positions, and findings about doubtful data |
+//! | [`weather`] | rows, times, places | conditions with the sun's positions |
 //! | [`sky`] | a condition, a model | radiances of the sky's patches and texels |
 //! | [`light`] | layers and tables of an open site, reflectances | responses: light that arrives by way of surfaces, one vector a sky texel |
 //! | [`replay`] | an open site, conditions | irradiance of each receiver by component |
 //! | [`sunlight`] | a site, dates, sky bits | when receivers see the sun, with a bound |
-//! | [`comfort`] | irradiance around a person, air, wind | mean radiant temperature, UTCI, PET |
 //!
 //! # What never happens
 //!
@@ -64,7 +63,6 @@
 #![deny(missing_docs)]
 
 pub mod archive;
-pub mod comfort;
 pub mod dome;
 pub mod error;
 pub mod hemisphere;

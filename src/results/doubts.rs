@@ -12,10 +12,10 @@ use heliotile_core::replay::components::{Component, ComponentList};
 use heliotile_core::replay::reflectances::{Changeable, Changes};
 use heliotile_core::site::material::rounded;
 use heliotile_core::site::place::Place;
-use heliotile_core::weather::dated::DatedRows;
-use heliotile_core::weather::series::Weather;
 use heliotile_core::weather::span::Span;
 use heliotile_core::weather::time::years::Years;
+use heliotile_weather::dated::DatedRows;
+use heliotile_weather::series::Weather;
 
 /// Refuses a query for longwave irradiance: conditions state no temperatures and no infrared
 /// radiation.

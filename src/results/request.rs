@@ -18,13 +18,13 @@ use heliotile_core::observer::Observer;
 use heliotile_core::replay::components::{Component, ComponentList};
 use heliotile_core::replay::reflectances::{Changes, Snow, followed_files};
 use heliotile_core::weather::conditions::Condition;
-use heliotile_core::weather::dated::DatedRows;
-use heliotile_core::weather::distance::far_apart;
-use heliotile_core::weather::formats::weather_file::{ScenePlace, parse_weather_as};
 use heliotile_core::weather::options::{StampedAt, WeatherOptions};
-use heliotile_core::weather::series::Weather;
 use heliotile_core::weather::span::{Moment, Span};
-use heliotile_core::weather::temperatures::Temperature;
+use heliotile_weather::dated::DatedRows;
+use heliotile_weather::distance::far_apart;
+use heliotile_weather::formats::weather_file::{ScenePlace, parse_weather_as};
+use heliotile_weather::series::Weather;
+use heliotile_weather::temperatures::Temperature;
 
 /// Light that counts, and changes of its reflectances and transmittances.
 #[derive(Clone, Debug, Request)]

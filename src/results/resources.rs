@@ -3,7 +3,7 @@
 use heliotile_core::light::scratch::ScratchSpace;
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::observer::{Observer, Silent};
-use heliotile_core::weather::formats::schedule_csv::ReadFile;
+use heliotile_core::replay::schedule_csv::ReadFile;
 use heliotile_files::input;
 use heliotile_files::spill::SystemTemp;
 

@@ -23,14 +23,14 @@ use heliotile_core::replay::components::ComponentSet;
 use heliotile_core::replay::reflectances::{Changeable, Changes};
 use heliotile_core::replay::values::TileValues;
 use heliotile_core::weather::conditions::{Condition, Stamp, parse_conditions};
-use heliotile_core::weather::dated::DatedRows;
 use heliotile_core::weather::options::StampedAt;
 use heliotile_core::weather::row::WeatherRow;
-use heliotile_core::weather::series::Weather;
-use heliotile_core::weather::temperatures::emissions;
 use heliotile_core::weather::time::bins::Bins;
 use heliotile_core::weather::time::utc_offset::UtcOffset;
 use heliotile_core::weather::time::years::Years;
+use heliotile_weather::dated::DatedRows;
+use heliotile_weather::series::Weather;
+use heliotile_weather::temperatures::emissions;
 
 /// Conditions with their labels, bins and changes.
 #[derive(Clone)]

@@ -13,13 +13,13 @@ use heliotile_core::archive::{Access, Archive};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::observer::Observer;
 use heliotile_core::opened::{OpenSite, ReceiverMatching, ReceiverPlace};
-use heliotile_core::weather::distance::far_apart;
 use heliotile_core::weather::options::WeatherOptions;
 use heliotile_files::input;
 use heliotile_files::input::weather::read_weather_as;
 use heliotile_files::writing::guards::guard_output;
 use heliotile_remote::naming::shown;
 use heliotile_remote::places::{hold, open_archive};
+use heliotile_weather::distance::far_apart;
 
 /// Request for a page.
 #[derive(Clone, Debug, Default, Request)]

@@ -164,8 +164,10 @@ fn public_types_have_names_of_their_own() {
 }
 
 /// Rooms whose messages the program, Python and the page show, each in its own words.
-const OF_ALL_FACES: [&str; 10] = [
+const OF_ALL_FACES: [&str; 12] = [
     "src/core",
+    "src/weather",
+    "src/comfort",
     "src/files",
     "src/archives",
     "src/scene",

@@ -16,7 +16,6 @@ use heliotile_core::replay::maps::{Illumination, Map as LayerMap, maps};
 use heliotile_core::replay::receiver_view::ReceiverView;
 use heliotile_core::replay::sun_hours::SunHours;
 use heliotile_core::weather::conditions::Condition;
-use heliotile_core::weather::series::Weather;
 use heliotile_core::weather::time::sun::Location;
 use heliotile_core::weather::time::sun_path::{MONTHS, SunPath};
 use heliotile_files::input::weather::read_weather_as;
@@ -26,6 +25,7 @@ use heliotile_results::outputs::pictures::exr::exr;
 use heliotile_results::outputs::pictures::fisheye::{Overlay, fisheye};
 use heliotile_results::outputs::pictures::panel::{PanelSun, panel};
 use heliotile_results::{Provenance, Resources};
+use heliotile_weather::series::Weather;
 
 /// Kinds of image files.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -78,7 +78,7 @@ pub(super) fn layers_of(
     let mut about = about.with_archive(&request.place, &archive);
     if let Some(weather) = &weather {
         let steps = weather.steps_of(archive.manifest().settings.steps());
-        let hours = SunHours::of(&view, weather, steps, site.north());
+        let hours = SunHours::of(&view, &weather.row_suns(steps), site.north());
         overlay.sun_hours = in_words(&hours, weather.rows.len());
         about = with_hours(about, &hours);
     }

@@ -13,8 +13,8 @@ use heliotile_core::units::direction_from_degrees;
 use heliotile_core::weather::clear::clear_sky;
 use heliotile_core::weather::conditions::Condition;
 use heliotile_core::weather::options::WeatherOptions;
-use heliotile_core::weather::series::Weather;
 use heliotile_files::input::weather::read_weather_as;
+use heliotile_weather::series::Weather;
 
 /// Lowest and highest ([`HIGHEST_DEG`]) altitude of the suns, degrees. Below there is hardly any
 /// energy; above, few places have the sun.

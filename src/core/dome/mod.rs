@@ -2,7 +2,6 @@
 //! Out: values of patches, radiances or transmittances, by row, on any subdivision. Never: models
 //! of the sky, suns, receivers.
 
-pub mod formats;
 pub mod grid;
 pub mod image;
 pub mod series;

@@ -14,6 +14,7 @@ pub mod receiver_view;
 pub mod reflectances;
 mod response_sums;
 pub mod run;
+pub mod schedule_csv;
 pub mod seen;
 pub mod sun_hours;
 mod sun_sample;

@@ -12,9 +12,9 @@ use crate::error::{Error, Result};
 use crate::light::fresnel::specular_mean;
 use crate::light::states::Schedule;
 use crate::opened::OpenSite;
+use crate::replay::schedule_csv::{Column, ReadFile, Rows, parse_schedule};
 use crate::site::ground::MonthlyGround;
 use crate::site::material::{Class, Material};
-use crate::weather::formats::schedule_csv::{Column, ReadFile, Rows, parse_schedule};
 use crate::weather::row::WeatherRow;
 
 /// Source, in the weather file, of the ground's reflectance under snow.

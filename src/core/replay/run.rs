@@ -80,7 +80,7 @@ impl Default for ReplaySettings<'_> {
 /// or sums with the weights of [`Bins`], such as kWh/m2 ([`ReplayBuilder::summed`]). Diffuse
 /// reflectances and transmittances may change from condition to condition
 /// ([`ReplayBuilder::scheduled`]). Longwave irradiance needs conditions with an emission, as
-/// [`crate::weather::temperatures::emissions`] gives them. Tiles are independent of each other. A
+/// `heliotile_weather::temperatures::emissions` gives them. Tiles are independent of each other. A
 /// tile has 64 receivers, in the archive's order.
 ///
 /// ```no_run

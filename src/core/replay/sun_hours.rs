@@ -1,13 +1,24 @@
-//! Hours of sun at a receiver. In: a receiver's layers, the rows of a weather file. Out: hours of
+//! Hours of sun at a receiver. In: a receiver's layers, the suns of the rows of a weather file. Out: hours of
 //! each row, by the same lookups of the sun's disc in the receiver's sky as direct irradiance.
+
+use glam::DVec3;
 
 use crate::layers::sides::TextureSides;
 use crate::replay::direct::sun_samples::SunSamples;
 use crate::replay::receiver_view::ReceiverView;
 use crate::replay::sun_sample::SunSample;
 use crate::site::north::North;
-use crate::weather::row::WeatherRow;
-use crate::weather::series::Weather;
+
+/// Suns of a row of a weather file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RowSuns {
+    /// Directions of the sun within the interval, above the horizon; y points to true north.
+    pub suns: Vec<DVec3>,
+    /// Hours of the interval in which the sun's centre is above the horizon.
+    pub up_h: f64,
+    /// Direct normal irradiance, W/m2.
+    pub dni_w_m2: f64,
+}
 
 /// Hours of sun at a receiver without regard to clouds, which DNI accounts for.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,21 +36,17 @@ pub struct SunHours {
 }
 
 impl SunHours {
-    /// Computes the hours of a weather file's rows with `steps` positions of the sun in each.
-    /// `north` is the direction of true north in the receiver's axes.
-    pub fn of(view: &ReceiverView, weather: &Weather, steps: usize, north: North) -> Self {
-        let (normal, sides, count) = (view.receiver.normal, view.sides, weather.rows.len());
+    /// Computes the hours of the rows of a weather file. `north` is the direction of true north in
+    /// the receiver's axes.
+    pub fn of(view: &ReceiverView, rows: &[RowSuns], north: North) -> Self {
+        let (normal, sides, count) = (view.receiver.normal, view.sides, rows.len());
         let (mut up_h, mut behind_h, mut seen_h) = (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
         let mut samples = Vec::new();
-        for (bin, row) in weather.rows.iter().enumerate() {
-            let suns = weather.site.sunlit(&row.interval, weather.known_suns(bin, row), steps);
-            if suns.is_empty() {
-                continue;
-            }
-            up_h[bin] = weather.site.sunlit_hours(&row.interval, weather.known_suns(bin, row));
-            let hours = up_h[bin] / suns.len() as f64;
-            for sun in suns {
-                let direction = north.to_axes(sun);
+        for (bin, row) in rows.iter().enumerate().filter(|(_, row)| !row.suns.is_empty()) {
+            up_h[bin] = row.up_h;
+            let hours = row.up_h / row.suns.len() as f64;
+            for sun in &row.suns {
+                let direction = north.to_axes(*sun);
                 let cos = normal.dot(direction);
                 match cos > 0.0 {
                     // An irradiance is strength x cosine x visible share, so this strength makes it
@@ -54,8 +61,8 @@ impl SunHours {
         seen_h.iter_mut().zip(up_h.iter().zip(&behind_h)).for_each(|(seen, (up, behind))| {
             *seen = seen.min((up - behind).max(0.0));
         });
-        let lit = |(row, seen): &(&WeatherRow, &f64)| row.dni_w_m2 > 0.0 && **seen > 0.0;
-        let sunny_rows = weather.rows.iter().zip(&seen_h).filter(lit).count();
+        let lit = |(row, seen): &(&RowSuns, &f64)| row.dni_w_m2 > 0.0 && **seen > 0.0;
+        let sunny_rows = rows.iter().zip(&seen_h).filter(lit).count();
         SunHours { up_h, seen_h, behind_h, sunny_rows }
     }
 

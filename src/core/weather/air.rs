@@ -66,7 +66,7 @@ fn sky_emissivity(dry_bulb_c: f64, dew_point_c: f64, opaque_sky_tenths: f64) -> 
 /// formula over water with the coefficients of Alduchov and Eskridge, "Improved Magnus form
 /// approximation of saturation vapor pressure", Journal of Applied Meteorology 35, 1996, eq. 21
 /// (0.4 % of the pressure from -40 to 50 degrees Celsius).
-pub(super) fn dew_point_c(dry_bulb_c: f64, humidity_percent: f64) -> f64 {
+pub fn dew_point_c(dry_bulb_c: f64, humidity_percent: f64) -> f64 {
     const A: f64 = 17.625;
     const B_C: f64 = 243.04;
     let exponent = (humidity_percent / 100.0).ln() + A * dry_bulb_c / (B_C + dry_bulb_c);

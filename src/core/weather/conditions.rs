@@ -1,7 +1,7 @@
 //! Conditions: sun and sky of one result row. In: `conditions.csv`. Out: checked [`Condition`]s.
 //!
 //! A query row is one condition with one sun. A replay hour is one condition with the suns of its
-//! sub-steps (see [`crate::weather::series`]). The mean over the interval of the sun on a surface
+//! sub-steps (see `heliotile_weather::series`). The mean over the interval of the sun on a surface
 //! is DNI x sum of weight x cos over the suns.
 
 use std::borrow::Cow;

@@ -10,8 +10,8 @@ use std::path::Path;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::weather::conditions::Condition;
 use heliotile_core::weather::row::WeatherRow;
-use heliotile_core::weather::series::Weather;
 use heliotile_core::weather::time::sun::extraterrestrial_w_m2;
+use heliotile_weather::series::Weather;
 
 /// Hours of a year, and of a leap year.
 const HOURS: [usize; 2] = [8760, 8784];

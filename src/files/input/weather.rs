@@ -6,9 +6,9 @@ use std::path::Path;
 use super::read;
 use heliotile_core::error::Result;
 use heliotile_core::weather::conditions::{ConditionsFile, parse_conditions};
-use heliotile_core::weather::formats::weather_file::{ScenePlace, parse_weather, parse_weather_as};
 use heliotile_core::weather::options::WeatherOptions;
-use heliotile_core::weather::series::Weather;
+use heliotile_weather::formats::weather_file::{ScenePlace, parse_weather, parse_weather_as};
+use heliotile_weather::series::Weather;
 
 /// Reads a file of conditions; see [`parse_conditions`].
 pub fn read_conditions(path: &Path) -> Result<ConditionsFile> {

@@ -3,9 +3,9 @@
 
 use std::collections::BTreeSet;
 
-use heliotile_core::comfort::people::columns::ComfortColumn;
-use heliotile_core::comfort::people::light::PersonNumbers;
-use heliotile_core::comfort::utci::MAX_RADIANT_EXCESS_K;
+use heliotile_comfort::people::columns::ComfortColumn;
+use heliotile_comfort::people::light::PersonNumbers;
+use heliotile_comfort::utci::MAX_RADIANT_EXCESS_K;
 use heliotile_core::text::counted;
 
 /// Counts of hours without a UTCI or a PET for heat.
@@ -71,7 +71,7 @@ fn rounded(hours: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use heliotile_core::comfort::people::light::BeyondIndex;
+    use heliotile_comfort::people::light::BeyondIndex;
 
     /// Three intervals lie beyond the UTCI at two points, one of half an hour: 2.5 h are
     /// counted and 2 of them lie above 32 C; the missing value becomes its bound.

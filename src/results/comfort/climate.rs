@@ -7,18 +7,18 @@ use super::request::{ComfortRequest, WindChoice};
 use crate::resources::Resources;
 use rayon::prelude::*;
 
-use heliotile_core::comfort::people::climate::{HourAir, HourClimate, MissingAir};
-use heliotile_core::comfort::people::columns::ComfortColumn;
-use heliotile_core::comfort::people::model::ComfortModel;
+use heliotile_comfort::people::climate::{HourAir, HourClimate, MissingAir};
+use heliotile_comfort::people::columns::ComfortColumn;
+use heliotile_comfort::people::model::ComfortModel;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::observer::Silent;
+use heliotile_core::replay::schedule_csv::{Column, Rows, parse_schedule};
 use heliotile_core::weather::air::Air;
 use heliotile_core::weather::conditions::Condition;
 use heliotile_core::weather::emission::Emission;
-use heliotile_core::weather::formats::schedule_csv::{Column, Rows, parse_schedule};
-use heliotile_core::weather::formats::weather_file::ScenePlace;
-use heliotile_core::weather::temperatures::emissions;
 use heliotile_core::weather::time::calendar::Date;
+use heliotile_weather::formats::weather_file::ScenePlace;
+use heliotile_weather::temperatures::emissions;
 
 /// Column of wind speeds in a schedule.
 const WIND: Column = Column { name: "wind_m_s", low: 0.0, high: 60.0 };

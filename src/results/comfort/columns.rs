@@ -3,8 +3,8 @@
 
 use crate::outputs::periods::Every;
 use crate::outputs::quantities::{Measure, Quantity, ValueSource};
-use heliotile_core::comfort::people::columns::{ComfortColumn, PLANES};
-use heliotile_core::comfort::people::periods::PeriodSum;
+use heliotile_comfort::people::columns::{ComfortColumn, PLANES};
+use heliotile_comfort::people::periods::PeriodSum;
 use heliotile_core::replay::components::LightMeasure;
 use heliotile_core::weather::time::bins::Bins;
 

@@ -10,8 +10,8 @@
 //! | `persons` | the six receivers of a point, and their light |
 //! | `pass` | from a stream of tiles to files |
 //!
-//! Formulas are in [`heliotile_core::comfort`], those of people in
-//! [`heliotile_core::comfort::people`]; the page uses them, too.
+//! Formulas are in [`heliotile_comfort`], those of people in
+//! [`heliotile_comfort::people`]; the page uses them, too.
 
 mod beyond;
 mod climate;
@@ -20,7 +20,7 @@ mod pass;
 mod persons;
 mod request;
 
-pub use heliotile_core::comfort::people::columns::ComfortColumn;
-pub use heliotile_core::comfort::people::model::SunOnPerson;
+pub use heliotile_comfort::people::columns::ComfortColumn;
+pub use heliotile_comfort::people::model::SunOnPerson;
 pub use pass::ComfortDone;
 pub use request::{ClassShare, ComfortChoice, ComfortRequest, Posture, SurfaceTemperatures, WindChoice};

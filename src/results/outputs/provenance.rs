@@ -9,8 +9,8 @@ use serde_json::{Map, Value};
 use super::markup::escaped;
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::text::without_secrets;
-use heliotile_core::weather::series::Weather;
 use heliotile_core::weather::time::utc_offset::UtcOffset;
+use heliotile_weather::series::Weather;
 
 /// Provenance of a file: names and values, in order.
 #[derive(Clone, Debug, Default, PartialEq)]

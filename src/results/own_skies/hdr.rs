@@ -8,9 +8,9 @@
 use std::path::Path;
 
 use super::images::{Pixels, check_sides};
-use heliotile_core::dome::formats::luminance;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::text::excerpt;
+use heliotile_weather::skies::luminance;
 
 const FORMAT: &str = "32-bit_rle_rgbe";
 

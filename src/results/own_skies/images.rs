@@ -11,9 +11,9 @@ use std::path::Path;
 use exr::prelude::{ReadChannels, ReadLayers, read};
 
 use super::hdr;
-use heliotile_core::dome::formats::{PatchQuantity, luminance};
 use heliotile_core::dome::image::DomeImage;
 use heliotile_core::error::{Error, Result};
+use heliotile_weather::skies::{PatchQuantity, luminance};
 
 /// Largest side of a picture, pixels.
 const MAX_SIDE: usize = 8192;

@@ -12,11 +12,11 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use super::resources::Resources;
-use heliotile_core::dome::formats::{PatchFile, PatchQuantity, PatchRows, parse_patch_file};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::sky::own_skies::{CloudLayer, OwnSky, SkyBalance, SkyScale, no_parts};
 use heliotile_core::weather::conditions::Condition;
+use heliotile_weather::skies::{PatchFile, PatchQuantity, PatchRows, parse_patch_file};
 
 use images::{Levels, is_picture, read_image};
 

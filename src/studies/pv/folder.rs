@@ -9,12 +9,12 @@ use super::spots::Spots;
 use crate::run::made_from::MadeFrom;
 use heliotile_core::archive::Archive;
 use heliotile_core::error::Result;
-use heliotile_core::weather::series::Weather;
 use heliotile_files::writing::guards::guard_archive;
 use heliotile_results::outputs::pv::horizon;
 use heliotile_results::outputs::tables::format::files_of;
 use heliotile_scene::site::SceneFiles;
 use heliotile_scene::site::guard_site;
+use heliotile_weather::series::Weather;
 
 /// Files of the folder.
 pub struct PvFolder {

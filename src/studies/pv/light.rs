@@ -13,9 +13,7 @@ use heliotile_core::error::Result;
 use heliotile_core::observer::{Observer, Silent};
 use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::site::bands::Band;
-use heliotile_core::weather::dated::DatedRows;
 use heliotile_core::weather::options::StampedAt;
-use heliotile_core::weather::series::Weather;
 use heliotile_core::weather::time::years::Years;
 use heliotile_results::bands::BandList;
 use heliotile_results::outputs::pv::ground::{DayCounts, PAR, PlantLight};
@@ -25,6 +23,8 @@ use heliotile_results::outputs::tables::bin_labels::BinLabels;
 use heliotile_results::{
     Archives, Every, LightChoice, Provenance, ReceiverSet, ReplayRequest, Resources, Series, Tile, TileStream,
 };
+use heliotile_weather::dated::DatedRows;
+use heliotile_weather::series::Weather;
 
 /// Weather, the rows that count, and their replay.
 pub struct Light<'a> {

@@ -12,13 +12,13 @@ use heliotile_core::archive::Archive;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::named::name_of;
 use heliotile_core::observer::Observer;
-use heliotile_core::weather::series::Weather;
 use heliotile_files::writing::guards::guard_archive;
 use heliotile_results::outputs::periods::Every;
 use heliotile_results::outputs::tables::format::files_of;
 use heliotile_results::outputs::tables::layout::By;
 use heliotile_scene::site::SceneFiles;
 use heliotile_scene::site::guard_site;
+use heliotile_weather::series::Weather;
 
 /// Files of the folder.
 pub struct RunFiles {

@@ -10,9 +10,9 @@ use serde::{Deserialize, Serialize};
 use crate::site_build::KEEP_OR_REPLACE;
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::{Error, Result};
-use heliotile_core::weather::series::Weather;
 use heliotile_core::weather::time::sun::Interval;
 use heliotile_results::outputs::sink::write_texts;
+use heliotile_weather::series::Weather;
 
 /// Name of the file.
 const FILE: &str = "made-from.json";

@@ -29,15 +29,15 @@ use heliotile_builder::accuracy::conditions::ErrorConditions;
 use heliotile_builder::planning::{AccuracyRequest, EffectsUnder};
 use heliotile_core::archive::Archive;
 use heliotile_core::error::Result;
-use heliotile_core::weather::distance::far_apart;
 use heliotile_core::weather::options::{StampedAt, WeatherOptions};
-use heliotile_core::weather::series::Weather;
 use heliotile_files::input;
 use heliotile_files::input::weather::read_weather_as;
 use heliotile_remote::places::hold;
 use heliotile_scene::Scene;
 use heliotile_scene::request::SceneRequest;
 use heliotile_scene::site::SceneFiles;
+use heliotile_weather::distance::far_apart;
+use heliotile_weather::series::Weather;
 use results::RunResults;
 
 pub use maps::RunMap;

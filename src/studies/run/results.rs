@@ -11,8 +11,6 @@ use heliotile_core::archive::Archive;
 use heliotile_core::error::Result;
 use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::site::receiver::Receiver;
-use heliotile_core::weather::dated::DatedRows;
-use heliotile_core::weather::series::Weather;
 use heliotile_results::outputs::annual::{AnnualRow, AnnualTable};
 use heliotile_results::outputs::kinds_and_sides::KindsAndSides;
 use heliotile_results::outputs::shapes::writer::MapFormat;
@@ -21,6 +19,8 @@ use heliotile_results::{
     ReceiverSet, ReplayRequest, Resources, ResultRows, ResultSink, RowsAbout, Series, Sinks, Tile, TileSink,
     TileStream, name_of,
 };
+use heliotile_weather::dated::DatedRows;
+use heliotile_weather::series::Weather;
 
 /// Inputs of the results.
 pub struct RunResults<'a> {

@@ -15,7 +15,6 @@ use heliotile_core::archive::tables::{
     ReceiversTable,
 };
 use heliotile_core::archive::{Access, Archive, Block, Manifest, encode, manifest, verify};
-use heliotile_core::dome::formats::{PatchQuantity, parse_patch_file};
 use heliotile_core::layers::canopy::{Canopy, Powers, SEEN, SKY};
 use heliotile_core::layers::extras;
 use heliotile_core::layers::hit::HitTile;
@@ -33,10 +32,7 @@ use heliotile_core::site::north::North;
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::conditions::parse_conditions;
 use heliotile_core::weather::emission::Emission;
-use heliotile_core::weather::formats::epw::{parse_epw, parse_epw_with_air};
-use heliotile_core::weather::formats::weather_file::parse_weather_as;
 use heliotile_core::weather::options::{TimeShift, WeatherOptions};
-use heliotile_core::weather::temperatures::emissions;
 use heliotile_core::weather::time::clock_zone::ClockZone;
 use heliotile_scene::Scene;
 use heliotile_scene::points::places::{PointDefaults, read_points};
@@ -44,6 +40,10 @@ use heliotile_scene::points::receivers::{ReceiverRows, read_receivers_with_warni
 use heliotile_scene::pv::layout::{Outline, lay};
 use heliotile_scene::pv::rows::{RowsGround, read_rows};
 use heliotile_scene::site::SceneFiles;
+use heliotile_weather::formats::epw::{parse_epw, parse_epw_with_air};
+use heliotile_weather::formats::weather_file::parse_weather_as;
+use heliotile_weather::skies::{PatchQuantity, parse_patch_file};
+use heliotile_weather::temperatures::emissions;
 
 /// A reader of foreign bytes.
 pub type Target = fn(&[u8]);

@@ -4,11 +4,11 @@
 
 use std::collections::HashMap;
 
-use heliotile_core::comfort::people::climate::{HourAir, HourClimate};
-use heliotile_core::comfort::people::columns::ComfortColumn;
-use heliotile_core::comfort::people::light::PersonLight;
-use heliotile_core::comfort::people::model::ComfortModel;
-use heliotile_core::comfort::people::periods::PeriodSum;
+use heliotile_comfort::people::climate::{HourAir, HourClimate};
+use heliotile_comfort::people::columns::ComfortColumn;
+use heliotile_comfort::people::light::PersonLight;
+use heliotile_comfort::people::model::ComfortModel;
+use heliotile_comfort::people::periods::PeriodSum;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::Component;
 use heliotile_core::replay::values::TileValues;
