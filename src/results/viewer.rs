@@ -71,7 +71,7 @@ impl PageRequest {
             place.and_then(|place| far_apart(&place, &weather)).iter().for_each(|apart| observer.warn(apart));
             page = page.with_weather(file, &input::read(file)?)?;
             if self.about_weather != WeatherOptions::default() {
-                page = page.with_clock(&self.about_weather);
+                page = page.with_weather_options(&self.about_weather);
             }
         }
         if !page.holds_archive() {

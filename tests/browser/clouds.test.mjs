@@ -34,7 +34,7 @@ async function turn(page, top) {
 function queried(archive, picture, top, sun = SUN) {
   writeFileSync(`${out}clouds.png`, picture);
   writeFileSync(`${out}conditions.csv`, `condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2\nc,${sun.azimuth},${sun.altitude},${sun.dni},${sun.dhi}\n`);
-  return parseCsv(heliotile("query", archive, "--conditions", `${out}conditions.csv`, "--clouds", `${out}clouds.png`, "--image-top", String(top), "-o", "-"));
+  return parseCsv(heliotile("replay", archive, "--conditions", `${out}conditions.csv`, "--clouds", `${out}clouds.png`, "--image-top", String(top), "-o", "-"));
 }
 
 /** The largest difference of receivers on the page from the program's, as a share of the largest value of these. */
@@ -52,7 +52,7 @@ function apart(page, program, prefix = "", suffix = "") {
   return { most, share: difference / most };
 }
 
-test("Behind a mask that hides the sun's half of the sky, and turned by 180 degrees, all receivers have the values of `query`; without it those of before.", async (t) => {
+test("Behind a mask that hides the sun's half of the sky, and turned by 180 degrees, all receivers have the values of `replay`; without it those of before.", async (t) => {
   const page = await open();
   const address = inlined("clouds", HAGUE);
   await go(page, `${address}${HASH}`);

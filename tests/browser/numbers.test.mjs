@@ -25,7 +25,7 @@ function apart(page, program, suffix = "") {
   return { most, share: difference / most };
 }
 
-test("Under 20 random suns, skies and reflectances, all receivers of the page's CSV have the values of `query`.", async (t) => {
+test("Under 20 random suns, skies and reflectances, all receivers of the page's CSV have the values of `replay`.", async (t) => {
   const page = await open();
   await go(page, inlined("numbers", HAGUE));
   const next = random(7);
@@ -42,7 +42,7 @@ test("Under 20 random suns, skies and reflectances, all receivers of the page's 
     const text = await savedCsv(page);
     assert.match(text, new RegExp(`# sky: ${sky}`));
     writeFileSync(`${out}conditions.csv`, `condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2\nc,${sun.azimuth},${sun.altitude},${sun.dni},${sun.dhi}\n`);
-    const program = heliotile("query", HAGUE, "--conditions", `${out}conditions.csv`, "--sky", sky, "--reflectance", `TINRelief=${ground}`, "--reflectance", `WallSurface=${obstruction}`, "-o", "-");
+    const program = heliotile("replay", HAGUE, "--conditions", `${out}conditions.csv`, "--sky", sky, "--reflectance", `TINRelief=${ground}`, "--reflectance", `WallSurface=${obstruction}`, "-o", "-");
     const { most, share } = apart(parseCsv(text), parseCsv(program));
     assert.ok(most > 1, `${most} W/m2`);
     worst = Math.max(worst, share);
@@ -52,7 +52,7 @@ test("Under 20 random suns, skies and reflectances, all receivers of the page's 
   assert.deepEqual(page.complaints, []);
 });
 
-test("The table of a chosen receiver shows what `query` says of it, and moves with the sun's sliders.", async () => {
+test("The table of a chosen receiver shows what `replay` says of it, and moves with the sun's sliders.", async () => {
   const page = await open();
   await go(page, `${inlined("table", HAGUE)}#show=moment&light=own&sun=angles&azimuth=200&altitude=40&dni=700&dhi=90&receiver=3.7`);
   const id = await page.textContent("#receiver h2");
@@ -63,7 +63,7 @@ test("The table of a chosen receiver shows what `query` says of it, and moves wi
     }, altitude);
     await page.evaluate(() => window.heliotile.ready);
     writeFileSync(`${out}conditions.csv`, `condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2\nc,200,${altitude},700,90\n`);
-    const program = parseCsv(heliotile("query", HAGUE, "--conditions", `${out}conditions.csv`, "-o", "-")).find((row) => row.receiver === id);
+    const program = parseCsv(heliotile("replay", HAGUE, "--conditions", `${out}conditions.csv`, "-o", "-")).find((row) => row.receiver === id);
     const shown = await valuesOnPage(page);
     for (const name of COMPONENTS) assert.ok(Math.abs(shown[name] - Number(program[name])) < 0.05, `${name} at ${altitude}: ${shown[name]}, ${program[name]}`);
     assert.ok(shown.total > 50);

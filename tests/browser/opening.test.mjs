@@ -133,7 +133,7 @@ test("A damaged block is named on the page, and the other receivers are shown.",
     damaged[at] ^= 1;
     writeFileSync(`${out}damaged.helio`, damaged);
     try {
-      heliotile("verify", `${out}damaged.helio`);
+      heliotile("archive", "verify", `${out}damaged.helio`);
     } catch (error) {
       name = /^(response\/\d+)/m.exec(`${error.stdout}${error.stderr}`)?.[1] ?? null;
     }

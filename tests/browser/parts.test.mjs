@@ -13,9 +13,9 @@ const programs = [];
 before(() => {
   rmSync(ATLAS, { recursive: true, force: true });
   const cut = ["--crs", "EPSG:28992", "--spacing", "4m", "--quality", "draft", "--part-size", "45m", "--sample", "0", "-o", ATLAS];
-  heliotile("--quiet", "partition", path("tests/data/cityjson/hague.city.json"), ...cut);
+  heliotile("--quiet", "atlas", "partition", path("tests/data/cityjson/hague.city.json"), ...cut);
   for (const part of BUILT) heliotile("--quiet", "build", ATLAS, "--part", part);
-  heliotile("--quiet", "catalogue", ATLAS);
+  heliotile("--quiet", "atlas", "catalogue", ATLAS);
 });
 after(async () => {
   // One that goes on would keep this file from ending.

@@ -48,11 +48,11 @@ function partnerOf(receiver, before) {
 
 function queried(archive, { azimuth, altitude, dni, dhi }) {
   writeFileSync(`${out}conditions.csv`, `condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2\nc,${azimuth},${altitude},${dni},${dhi}\n`);
-  const rows = parseCsv(heliotile("query", archive, "--conditions", `${out}conditions.csv`, "-o", "-"));
+  const rows = parseCsv(heliotile("replay", archive, "--conditions", `${out}conditions.csv`, "-o", "-"));
   return new Map(rows.map((row) => [row.receiver, row]));
 }
 
-test("The change of every receiver under 5 suns is after minus before of `query`; those without a partner have none.", async (t) => {
+test("The change of every receiver under 5 suns is after minus before of `replay`; those without a partner have none.", async (t) => {
   const page = await open();
   await go(page, `${inlined("change", HAGUE, null, AFTER)}#variant=change&show=moment&light=own&sun=angles`);
   assert.ok(await page.isVisible("#variant"));
@@ -131,7 +131,7 @@ test("The three have one camera, one receiver and one sun; the address keeps whi
   assert.deepEqual([...page.complaints, ...again.complaints], []);
 });
 
-test("The card of a receiver has before, after and change of `query`; one of the tower has no before.", async () => {
+test("The card of a receiver has before, after and change of `replay`; one of the tower has no before.", async () => {
   const page = await open();
   await go(page, `${inlined("card-change", HAGUE, null, AFTER)}#${new URLSearchParams([["variant", "after"], ...NOON])}&receiver=3.7`);
   const sun = { azimuth: 200, altitude: 40, dni: 700, dhi: 90 };

@@ -44,7 +44,7 @@ def truth_of(program, at, suns, paths):
     if not os.path.exists(f"{at}/truth/audit.csv"):
         with tempfile.TemporaryDirectory() as scratch:
             build(program, at, f"{scratch}/site.helio", "standard")
-            run(program, "audit", f"{scratch}/site.helio", *scene_of(at), "--conditions", suns, "--samples", "400", "--paths", str(paths),
+            run(program, "archive", "audit", f"{scratch}/site.helio", *scene_of(at), "--conditions", suns, "--samples", "400", "--paths", str(paths),
                 "--seed", "7", "-o", f"{at}/truth")
     value = lambda row, names, kind, power: sum(float(row[f"{name}_{kind}_w_m2"]) ** power for name in names)
     of = lambda row: {light: (value(row, names, "reference", 1), value(row, names, "standard_error", 2)) for light, names in LIGHTS.items()}
@@ -53,7 +53,7 @@ def truth_of(program, at, suns, paths):
 
 def errors(program, archive, suns, truth, scratch):
     """(RMSE, bias) of the total and by light, percent of the mean total."""
-    run(program, "query", archive, "--conditions", suns, "-o", f"{scratch}/query.csv")
+    run(program, "replay", archive, "--conditions", suns, "-o", f"{scratch}/query.csv")
     off = {light: [] for light in ("total", *LIGHTS)}
     noise, mean = dict.fromkeys(off, 0.0), 0.0
     for row in rows(f"{scratch}/query.csv"):

@@ -77,7 +77,7 @@ def main(args):
                 text, cpu = run(args.program, "build", *scene, "-r", f"{at}/receivers.csv", "--fresh", "-o", archive,
                                 "--error", f"{target}%", *under)
                 settings = re.findall(r"(?:sky_fine|hit|cell_floor_m|probe|closed_m)=[\d.]+", text)
-                audit, _ = run(args.program, "audit", archive, *scene, *other, "--samples", "1000", "--hours", "32", "--paths", "8192",
+                audit, _ = run(args.program, "archive", "audit", archive, *scene, *other, "--samples", "1000", "--hours", "32", "--paths", "8192",
                                "--seed", "7")
                 row = ""
                 for kind in KINDS:

@@ -54,7 +54,7 @@ def by_sky(heliotile, archive, asked, steps, surfaces, folder, sky):
     """The same under one sky."""
     table = folder / f"light-{sky}.csv"
     options = ["--by", "surface", "--paths", "none", "--sky", sky, "--columns", ",".join(NAMES.values()), "--quiet"]
-    subprocess.run([heliotile, "query", archive, "--conditions", asked, "-o", table, *options], check=True)
+    subprocess.run([heliotile, "replay", archive, "--conditions", asked, "-o", table, *options], check=True)
     found = {name.upper(): {part: np.zeros(steps) for part in NAMES.values()} for name in surfaces}
     with open(table, newline="") as file:
         for row in csv.DictReader(file):

@@ -42,7 +42,7 @@ def measured(scene, name, conditions, weather, folder):
     program, archive, table = programs.HELIOTILE, folder / f"{name}.helio", folder / f"{name}.csv"
     inputs = [scene.obj, "-m", scene.materials, "-r", scene.receivers]
     _, build = programs.run([program, "build", *inputs, "-o", archive, "--fresh", *LADDER[name]], folder)
-    _, query = programs.run([program, "query", archive, "--conditions", conditions, "-o", table], folder)
+    _, query = programs.run([program, "replay", archive, "--conditions", conditions, "-o", table], folder)
     hours = folder / "year.npy"
     _, year = programs.run([program, "replay", archive, "--weather", weather, "--every", "hour", "-o", hours], folder)
     hours.unlink()
@@ -76,7 +76,7 @@ def tracer(scene, conditions, paths, folder):
         archive = folder / "draft.helio"
         inputs = [scene.obj, "-m", scene.materials]
         programs.run([programs.HELIOTILE, "build", *inputs, "-r", scene.receivers, "-o", archive, "--fresh", "--quality", "draft"], folder)
-        programs.run([programs.HELIOTILE, "audit", archive, *inputs, "--conditions", conditions, "--samples", str(len(scene.ids)),
+        programs.run([programs.HELIOTILE, "archive", "audit", archive, *inputs, "--conditions", conditions, "--samples", str(len(scene.ids)),
                       "--paths", str(paths), "-o", folder / "tracer"], folder)
         place = {name: i for i, name in enumerate(scene.ids)}
         total = np.full((2, len(names), len(scene.ids)), np.nan)

@@ -84,7 +84,7 @@ def ours(archive, conditions, sky, columns):
     """`[column][hour][surface]`."""
     out = WORK / "out.csv"
     out.unlink(missing_ok=True)
-    run("query", archive, "-c", conditions, "--sky", sky, "--columns", ",".join(columns), "-o", out)
+    run("replay", archive, "-c", conditions, "--sky", sky, "--columns", ",".join(columns), "-o", out)
     table = pd.read_csv(out, dtype={"condition": str, "receiver": str})
     return [table.pivot(index="condition", columns="receiver", values=name).to_numpy() for name in columns]
 

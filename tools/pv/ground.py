@@ -56,7 +56,7 @@ def ours_of(case, out):
     names = [row["receiver"] for row in middle]
     (out / "suns.csv").write_text(
         "condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2\n" + "".join(f"{i},{azimuth},{altitude},1000,0\n" for i, (azimuth, altitude) in enumerate(SUNS)))
-    ours.run("query", out / "pv/site.helio", "--conditions", out / "suns.csv", "--receivers", out / "pv/ground.csv", "--columns", "total", "-o", out / "lit.csv")
+    ours.run("replay", out / "pv/site.helio", "--conditions", out / "suns.csv", "--receivers", out / "pv/ground.csv", "--columns", "total", "-o", out / "lit.csv")
     lit = {(row["condition"], row["receiver"]): float(row["total"]) for row in ours.table(out / "lit.csv")}
     of_suns = [[lit[str(i), name] / 1000 / math.sin(math.radians(altitude)) for name in names] for i, (_, altitude) in enumerate(SUNS)]
     of_sky = np.array([float(row["total_kwh_m2"]) for row in middle]) / 4.2

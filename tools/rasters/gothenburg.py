@@ -89,7 +89,7 @@ def main(folder, program, out):
         archive = out / (name.replace(", ", "_") + ".helio")
         say = ["--quality", "fine", "--crs", "3007"] + (["--materials", out / "materials.toml"] if name != "terrain" else [])
         subprocess.run([program, "build", *scene, "-r", out / "receivers.csv", "-o", archive, "--fresh", *say], check=True, capture_output=True)
-        asked = subprocess.run([program, "query", archive, "--conditions", out / "conditions.csv"], check=True, capture_output=True, text=True)
+        asked = subprocess.run([program, "replay", archive, "--conditions", out / "conditions.csv"], check=True, capture_output=True, text=True)
         (out / "query.csv").write_text(asked.stdout)
         found = pandas.read_csv(out / "query.csv")
         found["hour"] = found.condition.str.split("_").str[0].astype(int)

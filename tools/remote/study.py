@@ -139,30 +139,30 @@ class Study:
         building = surface.split("/")[0]
         own = [name for name in ids if name.startswith(building)] or [self.receiver]
         listed.write_text("receiver\n" + "".join(f"{name}\n" for name in own))
-        self.run("extract site.helio -r one.csv -o one.helio")
+        self.run("archive extract site.helio -r one.csv -o one.helio")
         print(f"{len(self.original) / 1e6:.1f} MB, {len(ids)} receivers; the building has {len(own)}", flush=True)
 
     def publish(self):
-        (code, _, said, seconds), counts = self.counted(f"copy site.helio s3://{BUCKET}/site.helio")
+        (code, _, said, seconds), counts = self.counted(f"archive copy site.helio s3://{BUCKET}/site.helio")
         check(code == 0, f"copy: {said}")
         print(f"copy to the store: {counts['requests']} requests, {seconds:.1f} s", flush=True)
-        (code, _, said, seconds), counts = self.counted(f"copy s3://{BUCKET}/site.helio back.helio")
+        (code, _, said, seconds), counts = self.counted(f"archive copy s3://{BUCKET}/site.helio back.helio")
         check(code == 0 and (self.folder / "back.helio").read_bytes() == self.original, f"copy back: {said}")
         print(f"copy back: {counts['requests']} requests, {counts['bytes'] / 1e6:.1f} MB, {seconds:.1f} s", flush=True)
 
     def commands(self):
         lines = [
-            "info AT", "verify AT", "query AT --conditions CONDITIONS -o OUT.csv",
+            "info AT", "archive verify AT", "replay AT --conditions CONDITIONS -o OUT.csv",
             "replay AT -r one.csv --weather WEATHER --every month -o OUT.csv",
             "replay AT -r one.csv --weather WEATHER --every month --reflectance ground=0.4 -o OUT.csv",
-            "extract AT -r one.csv -o OUT.helio",
+            "archive extract AT -r one.csv -o OUT.helio",
             f"export AT -r {self.receiver} -o OUT.exr", "export AT --view-factors -o OUT.csv",
         ]
         if not self.args.short:
             lines += [
-                "replay AT --weather WEATHER --every year --by surface -o OUT.csv", "factors AT -r one.csv -o OUT.csv",
+                "replay AT --weather WEATHER --every year --by surface -o OUT.csv", "energyplus factors AT -r one.csv -o OUT.csv",
                 "buildings AT --weather WEATHER -o OUT.csv", "places AT --weather WEATHER --best 5 -o OUT.csv",
-                "merge AT one.helio -o OUT.helio", "diff AT one.helio",
+                "archive merge AT one.helio -o OUT.helio", "archive diff AT one.helio",
             ]
         lines = [line for line in lines if self.args.commands in line]
         print(f"{'command':<74} {'file s':>7} {'cold s':>7} {'requests':>8} {'MB':>7} {'warm s':>7} {'requests':>8} {'MB':>7}")
@@ -173,14 +173,14 @@ class Study:
             for place in [f"{LOCAL}/site.helio", f"s3://{BUCKET}/site.helio", f"s3://{BUCKET}/site.helio"]:
                 for old in self.folder.glob("OUT.*"):
                     old.unlink()
-                ran, counts = self.counted(line.replace("AT", place, 1) if not line.startswith(("merge", "diff")) else line.replace(" AT", " " + place), cache=cache)
+                ran, counts = self.counted(line.replace("AT", place, 1) if not line.startswith(("archive merge", "archive diff")) else line.replace(" AT", " " + place), cache=cache)
                 plain = lambda data: data.replace(f"s3://{BUCKET}".encode(), LOCAL.encode())
                 files = {path.name: plain(path.read_bytes()) for path in sorted(self.folder.glob("OUT.*"))}
                 results.append((ran[0], plain(ran[1]), files, ran[3], counts))
                 check(ran[0] in (0, 1), f"{line}: {ran[2]}")
             near, cold, warm = results
             named = line.replace("WEATHER", "w.epw").replace("CONDITIONS", "c.csv").replace("AT", "URL")
-            check(near[:2] == cold[:2] == warm[:2] or line.startswith(("extract", "merge")), f"{line}: prints something else")
+            check(near[:2] == cold[:2] == warm[:2] or line.startswith(("archive extract", "archive merge")), f"{line}: prints something else")
             check(near[2] == cold[2] == warm[2], f"{line}: writes something else")
             print(
                 f"{named[:74]:<74} {near[3]:7.2f} {cold[3]:7.2f} {cold[4]['requests']:8} {cold[4]['bytes'] / 1e6:7.2f} "
@@ -194,7 +194,7 @@ class Study:
         shutil.copy(source, small)
         self.original = small.read_bytes()
         self.put("site.helio", self.original)
-        line = "query PLACE --conditions CONDITIONS"
+        line = "replay PLACE --conditions CONDITIONS"
         near = self.run(line.replace("PLACE", "small.helio"))[1]
         right = refused = met = rounds = 0
         wrong_before = len(FAILED)
@@ -234,20 +234,20 @@ class Study:
             ended = [None, None]
 
             def write(which, path):
-                ended[which] = self.run(f"copy {path} {name}", timeout=300, wait="60")
+                ended[which] = self.run(f"archive copy {path} {name}", timeout=300, wait="60")
 
             threads = [threading.Thread(target=write, args=pair) for pair in enumerate(["site.helio", "one.helio"])]
             [thread.start() for thread in threads]
             [thread.join() for thread in threads]
             ends.append(tuple(end[0] for end in ended))
             check(sorted(ends[-1]) == [0, 2], f"race: {ended}")
-            code, _, said, _ = self.run(f"verify {name}", timeout=300, wait="60")
+            code, _, said, _ = self.run(f"archive verify {name}", timeout=300, wait="60")
             check(code == 0, f"race: {said}")
         print(f"{len(ends)} races of two writers: {ends.count((0, 2))} won by the first, {ends.count((2, 0))} by the second, {len([end for end in ends if sorted(end) != [0, 2]])} otherwise", flush=True)
 
     def tls(self):
         """S3 and a plain server behind TLS: with a certificate that is trusted, one that is not, one of another host."""
-        line = "query PLACE --conditions CONDITIONS"
+        line = "replay PLACE --conditions CONDITIONS"
         near = self.run(line.replace("PLACE", "small.helio"))[1]
         self.put("small.helio", (self.folder / "small.helio").read_bytes())
         authority = trustme.CA()
@@ -294,7 +294,7 @@ class Study:
         threading.Thread(target=server.serve_forever, daemon=True).start()
         token = self.folder / "token"
         token.write_text("secret token")
-        line = "query PLACE --conditions CONDITIONS"
+        line = "replay PLACE --conditions CONDITIONS"
         near = self.run(line.replace("PLACE", "small.helio"))[1]
         code, out, said, _ = self.run(
             line.replace("PLACE", f"s3://{BUCKET}/small.helio"), AWS_ACCESS_KEY_ID=None, AWS_SECRET_ACCESS_KEY=None,
@@ -306,7 +306,7 @@ class Study:
 
     def web(self):
         """Web servers: one without ranges, and nginx."""
-        line = "query PLACE --conditions CONDITIONS"
+        line = "replay PLACE --conditions CONDITIONS"
         near = self.run(line.replace("PLACE", "small.helio"))[1]
         port = free_port()
         server = subprocess.Popen([sys.executable, "-m", "http.server", str(port), "--bind", "127.0.0.1"], cwd=self.folder,

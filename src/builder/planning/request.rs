@@ -25,7 +25,7 @@ pub struct AccuracyRequest {
     #[serde(default)]
     #[field(default = "standard", conflicts("error"))]
     pub quality: Quality,
-    /// Change one setting of the accuracy level, such as `--set hit=16 --set sky_fine=512`; `info`
+    /// Change one setting of the accuracy level, such as hit=16 or sky_fine=512; `info`
     /// of an archive lists the settings; may be repeated.
     #[serde(default)]
     #[field(metavar = "NAME=VALUE", python = "settings")]

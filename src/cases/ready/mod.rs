@@ -74,7 +74,7 @@ fn check_output(path: &Path, written: OutputKind, geo: bool) -> Result<()> {
     }
     if is_address(path) {
         let hint = message!("write a file, and then: {{command:copy}} FILE {}", shown(path).display());
-        return Err(Error::input(&shown(path), None, "is an address, and only `copy` writes to addresses", hint));
+        return Err(Error::input(&shown(path), None, "is an address, and only `archive copy` writes to addresses", hint));
     }
     match written {
         OutputKind::Archive => check_archive_name(path)?,

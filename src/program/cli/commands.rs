@@ -36,7 +36,7 @@ An .exr file has three parts, or four if the receiver sees sky in mirrors (f32, 
             with --sun also weight_sr, sky_reflected: the radiance of the sky there
   mirror    upper hemisphere of the world, by the direction that light has in the sky: weight_sr;
             with --sun also sky_mirrored, sun_mirrored
-Behind canopies, `sky` also has `through`, the share of light that passes them. Channels named like a column of `query` are radiances, W/(m2 sr):
+Behind canopies, `sky` also has `through`, the share of light that passes them. Channels named like a column of `replay` are radiances, W/(m2 sr):
 their sum over the texels of a part, each times weight_sr, is that column.
 
 A .png shows the upper hemisphere, equidistant (fisheye), zenith in the middle, y up, x right as on a map, N at true north. With --weather or

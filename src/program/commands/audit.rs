@@ -1,11 +1,11 @@
-//! `heliotile audit`: a check of the error that an archive states.
+//! `heliotile archive audit`: a check of the error that an archive states.
 
 use super::console::terminal::Terminal;
 use super::{Outcome, say};
 use heliotile::cases::Audit;
 use heliotile::{Provenance, Resources, Result, Verdict};
 
-/// `heliotile audit`: an error larger than the stated one is a finding (exit 1).
+/// `heliotile archive audit`: an error larger than the stated one is a finding (exit 1).
 pub fn run(args: &Audit, about: Provenance) -> Result<Outcome> {
     let terminal = Terminal::default();
     let resources = Resources::of(args.memory, &terminal);

@@ -1,4 +1,4 @@
-//! `heliotile copy`: an archive or an atlas to an object store, or from there. In: two places. Out:
+//! `heliotile archive copy`: an archive or an atlas to an object store, or from there. In: two places. Out:
 //! the bytes of the first place at the second one, whole or not at all.
 
 use super::console::terminal::Terminal;
@@ -9,7 +9,7 @@ use heliotile::output::guard_output;
 use heliotile::remote::{is_address, shown};
 use heliotile::{Error, Provenance, Result};
 
-/// `heliotile copy`.
+/// `heliotile archive copy`.
 pub fn run(args: &Copy, _: Provenance) -> Result<Outcome> {
     if !is_address(&args.from) && !is_address(&args.to) {
         let hint = "copy files with `cp`, or give an address such as s3://BUCKET/site.helio";

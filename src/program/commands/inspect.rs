@@ -1,4 +1,4 @@
-//! `heliotile info` of archives, and `verify`. In: an archive. Out: its contents, or its damaged
+//! `heliotile info` of archives, and `archive verify`. In: an archive. Out: its contents, or its damaged
 //! blocks.
 
 use std::fmt::Write;

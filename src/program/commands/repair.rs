@@ -1,11 +1,11 @@
-//! `heliotile repair`: traces the damaged parts of an archive again.
+//! `heliotile archive repair`: traces the damaged parts of an archive again.
 
 use super::console::terminal::Terminal;
 use super::{Outcome, remark};
 use heliotile::cases::Repair;
 use heliotile::{Provenance, Resources, Result};
 
-/// `heliotile repair`.
+/// `heliotile archive repair`.
 pub fn run(args: &Repair, _: Provenance) -> Result<Outcome> {
     let terminal = Terminal::watching();
     let resources = Resources::of(args.memory, &terminal);

@@ -71,7 +71,7 @@ pub fn places(args: &Places, about: Provenance) -> Result<Outcome> {
     Ok(Outcome::Fine)
 }
 
-/// `heliotile factors`.
+/// `heliotile energyplus factors`.
 pub fn factors(args: &Factors, about: Provenance) -> Result<Outcome> {
     with_resources(&args.site, |resources| {
         args.site.open(&args.receivers, about, resources.observer)?.factors(&args.request, resources)

@@ -1,4 +1,4 @@
-//! `heliotile extract`, `merge` and `diff`. In: archives. Out: a part of one, the union of two, or
+//! `heliotile archive extract`, `merge` and `diff`. In: archives. Out: a part of one, the union of two, or
 //! their differences.
 
 use super::console::terminal::Terminal;
@@ -10,7 +10,7 @@ use heliotile::output::{guard_archive, guard_output};
 use heliotile::text::counted;
 use heliotile::{Access, Error, Provenance, Result};
 
-/// `heliotile merge`.
+/// `heliotile archive merge`.
 pub fn merge(args: &Merge, _: Provenance) -> Result<Outcome> {
     let merged = args.write(&Terminal::default())?;
     let Assembled { receivers, tiles, cells, summary } = &merged.written;
@@ -32,7 +32,7 @@ pub fn merge(args: &Merge, _: Provenance) -> Result<Outcome> {
     Ok(Outcome::Fine)
 }
 
-/// `heliotile extract`.
+/// `heliotile archive extract`.
 pub fn extract(args: &Extract, _: Provenance) -> Result<Outcome> {
     let Some(selection) = args.receivers.selection() else {
         return Err(Error::argument(
@@ -65,7 +65,7 @@ pub fn extract(args: &Extract, _: Provenance) -> Result<Outcome> {
     Ok(Outcome::Fine)
 }
 
-/// `heliotile diff`: a difference is a finding (exit 1).
+/// `heliotile archive diff`: a difference is a finding (exit 1).
 pub fn diff(args: &Diff, _: Provenance) -> Result<Outcome> {
     let (is_equal, text) = args.found()?;
     say(&text)?;

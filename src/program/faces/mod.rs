@@ -15,7 +15,8 @@ use heliotile::text::Named;
 /// First line of a generated file.
 const MADE: &str = "Made by tools/faces from the requests. Do not edit.";
 
-/// Returns the help of a field, with the names that `named` gives to options in it.
+/// Returns the help of a field, with the names that `named` gives to options in it. A command line
+/// in backticks stays as it is.
 fn help(row: &Row, named: &dyn Fn(&str) -> String) -> String {
     let mut text = String::new();
     let of_field = |field: Named| if let Named::Field(field) = field { Some(format!("--{field}")) } else { None };
@@ -26,7 +27,7 @@ fn help(row: &Row, named: &dyn Fn(&str) -> String) -> String {
         let end = option[2..].find(|c: char| !(c.is_ascii_lowercase() || c == '-')).map_or(option.len(), |end| end + 2);
         let name = option[2..end].trim_end_matches('-');
         text += before;
-        if name.is_empty() {
+        if name.is_empty() || text.matches('`').count() % 2 == 1 {
             text += &option[..end];
         } else {
             text += &named(name);

@@ -26,7 +26,7 @@ def main(here: Path) -> None:
 
     # %%
     cut = ["--spacing", "4m", "--quality", "draft", "--part-size", "45m", "--sample", "0"]
-    words = ["partition", DATA / "cityjson" / "hague.city.json", "--crs", "EPSG:28992", *cut, "-o", here / "atlas"]
+    words = ["atlas", "partition", DATA / "cityjson" / "hague.city.json", "--crs", "EPSG:28992", *cut, "-o", here / "atlas"]
     subprocess.run([sys.executable, "-m", "heliotile", *map(str, words)], check=True, capture_output=True)
     atlas = heliotile.Atlas.open(here / "atlas")
     print(atlas)

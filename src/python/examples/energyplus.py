@@ -2,7 +2,7 @@
 
 # %% [markdown]
 # # Factors for EnergyPlus
-# A model that EnergyPlus reads is a scene. The five factors are those of `heliotile factors`, for ground that reflects all.
+# A model that EnergyPlus reads is a scene. The five factors are those of `heliotile energyplus factors`, for ground that reflects all.
 
 # %%
 import tempfile

@@ -748,7 +748,7 @@ class SunlightOptions(TypedDict, total=False):
     """Period of a row, without `rules`: a day, or all days of a month, a year or all of them. Default: `day`."""
 
     rules: str | Sequence[str] | None
-    """Rule to check: a name that `heliotile info `rules` all` lists, or a file with rules of your own (.toml); may be repeated."""
+    """Rule to check: a name that `heliotile info --rule all` lists, or a file with rules of your own (.toml); may be repeated."""
 
     before: Place | None
     """Archive or atlas before a change: adds its results, the minutes that changed, and the rules that are newly broken."""
@@ -821,7 +821,7 @@ class GlareOptions(TypedDict, total=False):
     """Year of the dates that state none; results of other years differ by a few minutes. Default: `2017`."""
 
     rules: str | Sequence[str] | None
-    """Rule to check: a name that `heliotile info `rules` all` lists, or a file with rules of your own (.toml); may be repeated."""
+    """Rule to check: a name that `heliotile info --rule all` lists, or a file with rules of your own (.toml); may be repeated."""
 
     before: Place | None
     """Archive or atlas before a change: adds its results, the minutes that changed, and the rules that are newly broken."""
@@ -972,7 +972,7 @@ class AuditOptions(TypedDict, total=False):
     """Order of day and month in the weather file's dates of three numbers, such as 01/06/2021 [default: what the whole column shows]"""
 
     conditions: Any | None
-    """Table of suns and skies in place of weather, as for `query`: condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2. If it has up to 64 rows, each receiver is checked under all of them."""
+    """Table of suns and skies in place of weather, as for `replay`: condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2. If it has up to 64 rows, each receiver is checked under all of them."""
 
     samples: int | None
     """Number of receivers to check [default: 256, or as many as `seconds` allow]"""
@@ -1197,7 +1197,7 @@ class PeopleOptions(TypedDict, total=False):
     """Accuracy level: a named set of settings, from fast to accurate. Default: `standard`."""
 
     settings: Mapping[str, object] | None
-    """Change one setting of the accuracy level, such as ``settings` hit=16 `settings` sky_fine=512`; `info` of an archive lists the settings; may be repeated."""
+    """Change one setting of the accuracy level, such as hit=16 or sky_fine=512; `info` of an archive lists the settings; may be repeated."""
 
     error: str | float | None
     """Largest error to accept, the RMSE of hourly totals in percent of their mean, such as 2%: settings are tried on some of the receivers, and the cheapest that keep it are used."""
@@ -1298,7 +1298,7 @@ class BuildOptions(TypedDict, total=False):
     """Accuracy level: a named set of settings, from fast to accurate. Default: `standard`."""
 
     settings: Mapping[str, object] | None
-    """Change one setting of the accuracy level, such as ``settings` hit=16 `settings` sky_fine=512`; `info` of an archive lists the settings; may be repeated."""
+    """Change one setting of the accuracy level, such as hit=16 or sky_fine=512; `info` of an archive lists the settings; may be repeated."""
 
     error: str | float | None
     """Largest error to accept, the RMSE of hourly totals in percent of their mean, such as 2%: settings are tried on some of the receivers, and the cheapest that keep it are used."""
@@ -1344,7 +1344,7 @@ class PlanOptions(TypedDict, total=False):
     """Accuracy level: a named set of settings, from fast to accurate. Default: `standard`."""
 
     settings: Mapping[str, object] | None
-    """Change one setting of the accuracy level, such as ``settings` hit=16 `settings` sky_fine=512`; `info` of an archive lists the settings; may be repeated."""
+    """Change one setting of the accuracy level, such as hit=16 or sky_fine=512; `info` of an archive lists the settings; may be repeated."""
 
     error: str | float | None
     """Largest error to accept, the RMSE of hourly totals in percent of their mean, such as 2%: settings are tried on some of the receivers, and the cheapest that keep it are used."""
@@ -1411,7 +1411,7 @@ class RunOptions(TypedDict, total=False):
     """Accuracy level: a named set of settings, from fast to accurate. Default: `standard`."""
 
     settings: Mapping[str, object] | None
-    """Change one setting of the accuracy level, such as ``settings` hit=16 `settings` sky_fine=512`; `info` of an archive lists the settings; may be repeated."""
+    """Change one setting of the accuracy level, such as hit=16 or sky_fine=512; `info` of an archive lists the settings; may be repeated."""
 
     error: str | float | None
     """Largest error to accept, the RMSE of hourly totals in percent of their mean, such as 2%: settings are tried on some of the receivers, and the cheapest that keep it are used."""
@@ -1432,7 +1432,7 @@ class RunOptions(TypedDict, total=False):
     """Also write a table by hour, day, month, year or total, as `replay` does: months.csv and so on; several with commas."""
 
     rules: str | Sequence[str] | None
-    """Also check a rule of sunlight and write rules.csv: a name that `heliotile info `rules` all` lists, or a file with rules of your own (.toml); may be repeated."""
+    """Also check a rule of sunlight and write rules.csv: a name that `heliotile info --rule all` lists, or a file with rules of your own (.toml); may be repeated."""
 
     by: Literal["receiver", "surface", "window", "object", "building", "kind"] | None
     """Grouping of rows in the tables of `every` and `rules`: what each row stands for. Default: `receiver`."""
@@ -1517,7 +1517,7 @@ class PvOptions(TypedDict, total=False):
     """Accuracy level: a named set of settings, from fast to accurate. Default: `standard`."""
 
     settings: Mapping[str, object] | None
-    """Change one setting of the accuracy level, such as ``settings` hit=16 `settings` sky_fine=512`; `info` of an archive lists the settings; may be repeated."""
+    """Change one setting of the accuracy level, such as hit=16 or sky_fine=512; `info` of an archive lists the settings; may be repeated."""
 
     error: str | float | None
     """Largest error to accept, the RMSE of hourly totals in percent of their mean, such as 2%: settings are tried on some of the receivers, and the cheapest that keep it are used."""
@@ -1596,7 +1596,7 @@ class EnergyplusOptions(TypedDict, total=False):
     """Accuracy level: a named set of settings, from fast to accurate. Default: `standard`."""
 
     settings: Mapping[str, object] | None
-    """Change one setting of the accuracy level, such as ``settings` hit=16 `settings` sky_fine=512`; `info` of an archive lists the settings; may be repeated."""
+    """Change one setting of the accuracy level, such as hit=16 or sky_fine=512; `info` of an archive lists the settings; may be repeated."""
 
     error: str | float | None
     """Largest error to accept, the RMSE of hourly totals in percent of their mean, such as 2%: settings are tried on some of the receivers, and the cheapest that keep it are used."""
@@ -1648,7 +1648,7 @@ class PartitionOptions(TypedDict, total=False):
     """Accuracy level: a named set of settings, from fast to accurate. Default: `standard`."""
 
     settings: Mapping[str, object] | None
-    """Change one setting of the accuracy level, such as ``settings` hit=16 `settings` sky_fine=512`; `info` of an archive lists the settings; may be repeated."""
+    """Change one setting of the accuracy level, such as hit=16 or sky_fine=512; `info` of an archive lists the settings; may be repeated."""
 
     with_scene: bool
     """False: Leave the scene's triangles out of the archives, if they may not be passed on."""

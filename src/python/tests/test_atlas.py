@@ -226,7 +226,7 @@ def test_workers_build_parts_in_a_store(tmp_path: Path, whole: pd.Series, monkey
         monkeypatch.setenv(name, value)
     try:
         urllib.request.urlopen(urllib.request.Request(f"http://{host}:{port}/bucket", method="PUT")).close()
-        subprocess.run([sys.executable, "-m", "heliotile", "copy", plan.path, "s3://bucket/atlas"], check=True)
+        subprocess.run([sys.executable, "-m", "heliotile", "archive", "copy", plan.path, "s3://bucket/atlas"], check=True)
         atlas = heliotile.Atlas.open("s3://bucket/atlas")
         assert [part.state for part in atlas.parts()] == ["missing"] * 4
         with LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster, Client(cluster) as client:

@@ -32,7 +32,7 @@ def damaged(site: heliotile.Archive, tmp_path: Path) -> Path:
 def test_audit_is_the_programs(site: heliotile.Archive, scene: heliotile.Scene, tmp_path: Path) -> None:
     """Of 12 receivers the table of pairs is the program's, byte by byte, and so is what is told, but for the name of an option."""
     words = ["--samples", 12, "--paths", 256, "--weather", DAYS, "--time-zone", "+02:00"]
-    said = printed("audit", site.path, *SCENE, *words, "-o", tmp_path / "program").splitlines(keepends=True)
+    said = printed("archive", "audit", site.path, *SCENE, *words, "-o", tmp_path / "program").splitlines(keepends=True)
     weather = heliotile.Weather(DAYS, time_zone="+02:00")
     report = site.audit(scene, weather=weather, samples=12, paths=256, output=tmp_path / "python")
     assert report.table.replace("build error", "build --error") == "".join(said[:-1])
@@ -68,9 +68,9 @@ def test_a_build_for_an_error_is_the_programs(scene: heliotile.Scene, tmp_path: 
 def test_verify_and_repair_are_the_programs(site: heliotile.Archive, damaged: Path, scene: heliotile.Scene, tmp_path: Path) -> None:
     """A whole archive has no problem, also below the surface; a damaged one has 1, which the program words alike, and is made whole byte by byte."""
     assert site.verify().is_good and site.verify(deep=True).problems == []
-    assert site.verify().text == printed("verify", site.path)
+    assert site.verify().text == printed("archive", "verify", site.path)
     [found] = heliotile.verify(damaged)
-    assert not found.is_good and len(found.problems) == 1 and found.text == printed("verify", damaged)
+    assert not found.is_good and len(found.problems) == 1 and found.text == printed("archive", "verify", damaged)
     done = heliotile.repair(damaged, scene, tmp_path / "python.helio")
     program("archive", "repair", damaged, *SCENE, "-o", tmp_path / "program.helio")
     whole = Path(site.path).read_bytes()

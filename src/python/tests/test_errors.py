@@ -207,7 +207,7 @@ def test_outputs_replace_no_other_kind_of_file(scene: heliotile.Scene, site: hel
             scene.cover(output)
     with pytest.raises(heliotile.InputError, match="does not end with .helio"):
         heliotile.build(scene, receivers, tmp_path / "site.csv")
-    with pytest.raises(heliotile.InputError, match="only `copy` writes"):
+    with pytest.raises(heliotile.InputError, match="only `archive copy` writes"):
         heliotile.build(scene, receivers, "s3://bucket/site.helio")
     assert mine.read_bytes() == Path(site.path).read_bytes() and list(tmp_path.iterdir()) == [mine]
 

@@ -95,7 +95,7 @@ def test_selections_are_the_programs(block: heliotile.Archive, tmp_path: Path) -
 
 def test_query_is_the_programs(site: heliotile.Archive, conditions: Path, tmp_path: Path) -> None:
     """A table of 2 conditions as a file, a DataFrame and a mapping: equal to the bit."""
-    values = of_program(tmp_path, "query", site, "--conditions", conditions)
+    values = of_program(tmp_path, "replay", site, "--conditions", conditions)
     table = pd.read_csv(conditions)
     for given in [conditions, table, {name: table[name].to_numpy() for name in table.columns if name != "condition"}]:
         same(site.query(given), values)

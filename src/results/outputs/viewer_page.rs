@@ -87,22 +87,25 @@ impl ViewerPage {
         self
     }
 
-    /// Sets how the weather's clock is read, where this differs from the file's own statement.
-    pub fn with_clock(self, options: &WeatherOptions) -> Self {
+    /// Sets how the weather file is read, where this differs from the file's own statement: texts by
+    /// the names of the request's fields.
+    pub fn with_weather_options(self, options: &WeatherOptions) -> Self {
         let shift = match options.shift {
             shift if shift == TimeShift::default() => None,
             TimeShift::Auto => Some("auto".to_owned()),
             TimeShift::Minutes(minutes) => Some(format!("{minutes}min")),
         };
         let said = [
-            ("timeZone", options.zone.map(|zone| zone.option())),
+            ("latitude", options.latitude_deg.map(|degrees| degrees.to_string())),
+            ("longitude", options.longitude_deg.map(|degrees| degrees.to_string())),
+            ("time_zone", options.zone.map(|zone| zone.option())),
             ("shift", shift),
-            ("stamp", options.stamped_at.map(|at| at.name().to_owned())),
-            ("dateOrder", options.date_order.map(|order| order.name().to_owned())),
+            ("weather_stamp", options.stamped_at.map(|at| at.name().to_owned())),
+            ("date_order", options.date_order.map(|order| order.name().to_owned())),
         ];
-        let clock: Value =
+        let texts: Value =
             said.into_iter().filter_map(|(name, said)| Some((name.to_owned(), Value::from(said?)))).collect();
-        self.with_option("clock", clock)
+        self.with_option("weatherOptions", texts)
     }
 
     /// Returns true if the archive is embedded.
@@ -154,6 +157,8 @@ fn name_of(path: &Path) -> String {
 
 #[cfg(test)]
 mod tests {
+    use heliotile_requests::filled;
+
     use super::*;
 
     /// The page has one marker for data and one for later data. Names with `<`, `>` and quotes
@@ -168,6 +173,29 @@ mod tests {
         let count = |text: &str| html.matches(text).count() - PAGE.matches(text).count();
         assert_eq!((count("<script>alert"), count("<script type="), count("id=\"archive\"")), (0, 2, 1));
         assert!(html.contains(&BASE64_STANDARD.encode(b"not an archive")));
+    }
+
+    /// The texts that a page states fill a request with the options that it was given.
+    #[test]
+    fn options_of_weather_arrive() {
+        let given = [
+            ("latitude", "-12.25"),
+            ("longitude", "4.5"),
+            ("time_zone", "Europe/Amsterdam"),
+            ("shift", "-30min"),
+            ("weather_stamp", "end"),
+            ("date_order", "dmy"),
+        ];
+        let texts = given.map(|(name, text)| (name.to_owned(), vec![text.to_owned()]));
+        let options: WeatherOptions = filled(&texts).expect("options");
+        let page = ViewerPage::default().with_weather_options(&options);
+        let stated: Vec<_> = page.options["weatherOptions"]
+            .as_object()
+            .expect("an object")
+            .iter()
+            .map(|(name, text)| (name.clone(), vec![text.as_str().expect("a text").to_owned()]))
+            .collect();
+        assert_eq!((stated.len(), filled::<WeatherOptions>(&stated).expect("options")), (6, options));
     }
 
     /// Two archives of 30 MB do not fit together, and none is embedded beside one that is too

@@ -264,7 +264,7 @@ impl RunRequest {
         let page = ViewerPage::default()
             .with_archive(&files.archive, hold(&files.archive)?.as_ref())?
             .with_weather(&self.weather, &input::read(&self.weather)?)?
-            .with_clock(&self.about_weather);
+            .with_weather_options(&self.about_weather);
         let page = if page.holds_archive() { page } else { page.with_option("archive", "../site.helio") };
         page.write(&files.page)
     }

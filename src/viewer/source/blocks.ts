@@ -1,7 +1,7 @@
 // Data in the page itself, as `<script type="application/octet-stream">`: the engine, and data that
 // the program embedded.
 
-import type { Clock } from "./engine/client";
+import type { WeatherOptions } from "./engine/options";
 
 /**
  * Returns the bytes of a block, unpacked if it is packed, or null if the page has no such block.
@@ -37,8 +37,8 @@ export interface Options {
   weather?: string;
   /** Name of the weather file, if not the end of its address. */
   weatherName?: string;
-  /** Clock of the weather that comes with the page. */
-  clock: Clock;
+  /** How the weather that comes with the page is read. */
+  weatherOptions: WeatherOptions;
   /**
    * Largest memory of the graphics card for textures of receivers, MB; 0: none. By default it
    * depends on the card.
@@ -53,7 +53,7 @@ const MOST_WORKERS = 64;
 
 /** Addresses of archive and weather: those of the page's own options, else those in its address. */
 export function readOptions(): Options {
-  const found: Options = { clock: {} };
+  const found: Options = { weatherOptions: {} };
   const text = document.getElementById("options")?.textContent;
   if (text) {
     const parsed: unknown = JSON.parse(text);
@@ -62,7 +62,7 @@ export function readOptions(): Options {
       if ("after" in parsed && typeof parsed.after === "string") found.after = parsed.after;
       if ("parts" in parsed && typeof parsed.parts === "string") found.parts = parsed.parts;
       if ("weatherName" in parsed && typeof parsed.weatherName === "string") found.weatherName = parsed.weatherName;
-      if ("clock" in parsed && typeof parsed.clock === "object" && parsed.clock !== null) found.clock = parsed.clock;
+      if ("weatherOptions" in parsed && typeof parsed.weatherOptions === "object" && parsed.weatherOptions !== null) found.weatherOptions = parsed.weatherOptions;
       if ("weather" in parsed && typeof parsed.weather === "string") found.weather = parsed.weather;
     }
   }

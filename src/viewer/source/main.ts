@@ -8,7 +8,8 @@ import type { Card } from "./card/card";
 import { readPicture, type CloudPicture } from "./clouds";
 import { csv, provenance } from "./download/csv";
 import { picture } from "./download/picture";
-import { Engine, type Clock, type Group, type Site, type Source, type WeatherInfo } from "./engine/client";
+import { Engine, type Group, type Site, type Source, type WeatherInfo } from "./engine/client";
+import type { WeatherOptions } from "./engine/options";
 import { knowsClearSkies } from "./light";
 import { OpenedSite, type Page } from "./opened";
 import { listenForFiles } from "./panel/files";
@@ -125,8 +126,8 @@ class Main {
     }
     this.weather = async (engine) => {
       try {
-        if (weather) return await engine.loadWeather(weather.name, weather.bytes, options.clock);
-        if (options.weather && !local) return await fetchWeather(engine, options.weather, options.clock, options.weatherName);
+        if (weather) return await engine.loadWeather(weather.name, weather.bytes, options.weatherOptions);
+        if (options.weather && !local) return await fetchWeather(engine, options.weather, options.weatherOptions, options.weatherName);
       } catch (error) {
         this.messages.error("reading the weather", error);
       }
@@ -439,10 +440,10 @@ class Main {
   }
 }
 
-async function fetchWeather(engine: Engine, url: string, clock: Clock, name?: string): Promise<WeatherInfo> {
+async function fetchWeather(engine: Engine, url: string, read: WeatherOptions, name?: string): Promise<WeatherInfo> {
   const answer = await fetch(url);
   if (!answer.ok) throw new Error(`${url}: the server answers ${answer.status}`);
-  return engine.loadWeather(name ?? new URL(answer.url).pathname.split("/").pop() ?? url, await answer.arrayBuffer(), clock);
+  return engine.loadWeather(name ?? new URL(answer.url).pathname.split("/").pop() ?? url, await answer.arrayBuffer(), read);
 }
 
 function addressOf(source: Source): string {

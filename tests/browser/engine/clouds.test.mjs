@@ -30,12 +30,12 @@ async function withWeather(tasks) {
   await tasks.loadWeather("golden_tmy3.epw", bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.length));
 }
 
-test("10 suns behind clouds at 3 tops and under 3 skies have the values of query within 1e-4 of the largest, on 1,228 receivers", async () => {
+test("10 suns behind clouds at 3 tops and under 3 skies have the values of replay within 1e-4 of the largest, on 1,228 receivers", async () => {
   const { tasks, site, tiles } = await opened(readFileSync(HAGUE));
   tasks.clouds(SIDE, LEVELS, 0);
   for (const [top, sky] of [[0, "perez"], [90, "cie:12"], [217, "uniform"]]) {
     tasks.turnClouds(top);
-    const expected = program("query", HAGUE, ["--conditions", conditionsFile(SUNS), "--sky", sky, "--clouds", MASK, "--image-top", `${top}`], SUNS.length);
+    const expected = program("replay", HAGUE, ["--conditions", conditionsFile(SUNS), "--sky", sky, "--clouds", MASK, "--image-top", `${top}`], SUNS.length);
     const found = new Differences();
     for (const [label, sun] of SUNS.entries()) {
       const { columns } = await all(tasks, "moment", { light: { kind: "sun", ...sun }, sky, changes: UNCHANGED, components: site.components }, tiles);

@@ -12,7 +12,7 @@ const WEATHER = "tests/data/weather/golden_tmy3.epw";
 
 async function compared(archive, suns, sky, changes, options) {
   const { tasks, site, tiles } = await opened(readFileSync(archive));
-  const expected = program("query", archive, ["--conditions", conditionsFile(suns), "--sky", sky, ...options], suns.length);
+  const expected = program("replay", archive, ["--conditions", conditionsFile(suns), "--sky", sky, ...options], suns.length);
   const found = new Differences();
   for (const [label, sun] of suns.entries()) {
     const ask = { light: { kind: "sun", ...sun }, sky, changes, components: site.components };
@@ -29,7 +29,7 @@ function suns(count, seed) {
   return Array.from({ length: count }, () => ({ azimuth: 360 * next(), altitude: 80 * next() - 5, dni: 900 * next(), dhi: 300 * next() }));
 }
 
-test("20 suns on 1,228 receivers under 4 skies have the values of query within 1e-4 of the largest, 171,920 a sky", async () => {
+test("20 suns on 1,228 receivers under 4 skies have the values of replay within 1e-4 of the largest, 171,920 a sky", async () => {
   for (const sky of ["perez", "perez1990", "uniform", "cie:12"]) {
     const found = await compared(HAGUE, suns(20, 7), sky, UNCHANGED, []);
     assert.equal(found.count, 171_920);
@@ -37,7 +37,7 @@ test("20 suns on 1,228 receivers under 4 skies have the values of query within 1
   }
 });
 
-test("3 changed reflectances have the values of query within 1e-4 of the largest, 42,980 each", async () => {
+test("3 changed reflectances have the values of replay within 1e-4 of the largest, 42,980 each", async () => {
   for (const [name, value] of [["ground", 0.6], ["obstruction", 0.05], ["ground", 0.9]]) {
     const changes = { reflectance: [[name, value]], transmittance: [] };
     const found = await compared(HAGUE, suns(5, 11), "perez", changes, ["--reflectance", `${name}=${value}`]);
@@ -46,7 +46,7 @@ test("3 changed reflectances have the values of query within 1e-4 of the largest
   }
 });
 
-test("2 archives with mirrors and canopies have the values of query within 1e-4, leaves at 0.2 and as stored", async () => {
+test("2 archives with mirrors and canopies have the values of replay within 1e-4, leaves at 0.2 and as stored", async () => {
   for (const name of ["box", "mirrors"]) {
     const { site } = await opened(readFileSync(SMALL(name)));
     const canopy = site.groups.find(({ kind }) => kind === "canopy");

@@ -12,7 +12,7 @@ use heliotile_core::archive::format;
 use heliotile_core::archive::format::{FIRST_BLOCK, SLOT_SIZE, TileNumber};
 use heliotile_core::archive::{Access, Archive};
 use heliotile_core::layers::bits::BitSquare;
-use heliotile_core::layers::canopy::Canopy;
+use heliotile_core::layers::canopy::{Canopy, SeenLeaf};
 use heliotile_core::layers::extras;
 use heliotile_core::layers::mirror::{CellMirrors, CellPath, CellWindow, MirrorPath, ReceiverMirrors, Window};
 use heliotile_core::layers::sky::SkyTexture;
@@ -278,7 +278,8 @@ fn layers_of_some_scenes() {
     seed("cell_mirror", &[&[8][..], &of_cell.to_bytes(8)].concat());
     let crossing = |ray: u32| Crossing { ray, material: (ray % 2) as u16, count: 1 + (ray * 7) as u8 };
     let [sky, seen] = [0..64, 3..9].map(|rays| rays.map(crossing).collect::<Vec<_>>());
-    let canopy = Canopy::new([&sky, &seen], [64, 16]);
+    let leaves = vec![SeenLeaf { cell, before: vec![(1, 2)], share: 0.25 }];
+    let canopy = Canopy::new([&sky, &seen], [64, 16], leaves);
     seed("canopy", &[&[4, 1][..], &canopy.to_bytes()].concat());
     let rows = [of_receiver.to_bytes(), Vec::new(), canopy.to_bytes()];
     seed("extras", &[&[3][..], &extras::pack(rows.iter().map(Vec::as_slice)).expect("rows")].concat());

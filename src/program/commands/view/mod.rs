@@ -27,7 +27,7 @@ pub fn run(args: &View, _: Provenance) -> Result<Outcome> {
     // The first archive is shown first; the page itself opens the others.
     let (parts, first) = match Atlas::find(&args.page.archive)? {
         Some(atlas) if atlas.folder.is_remote() => {
-            let hint = "copy the atlas to a folder, or open its view.html, which `catalogue` writes and `copy` uploads";
+            let hint = "copy the atlas to a folder, or open its view.html, which `atlas catalogue` writes and `archive copy` uploads";
             return Err(Error::input(&atlas.shown(), None, "is a remote atlas, and only local ones are served", hint));
         }
         Some(atlas) => {
@@ -64,7 +64,7 @@ pub fn run(args: &View, _: Provenance) -> Result<Outcome> {
         place.and_then(|place| far_apart(&place, &read)).iter().for_each(warn);
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         page = page.with_option("weather", server::WEATHER).with_option("weatherName", name);
-        page = page.with_clock(&args.page.about_weather);
+        page = page.with_weather_options(&args.page.about_weather);
         weather = Some(input::read(path)?);
     }
     let listener = listen(args.port)?;

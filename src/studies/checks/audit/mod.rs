@@ -52,7 +52,7 @@ pub struct AuditRequest {
     /// Facts about the weather file that it does not state itself.
     #[field(flatten, without("latitude", "longitude"), heading = "About the weather file", needs("weather"))]
     pub about_weather: WeatherOptions,
-    /// Table of suns and skies in place of weather, as for `query`:
+    /// Table of suns and skies in place of weather, as for `replay`:
     /// condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2. If it has up to 64 rows, each
     /// receiver is checked under all of them.
     #[field(short = 'c', metavar = "FILE", conflicts("weather"), input = Conditions)]

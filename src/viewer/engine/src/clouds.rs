@@ -1,10 +1,10 @@
 //! Clouds before the sky and the sun. In: the pixels of a picture, and the azimuth of its top. Out:
 //! the light that passes.
 
-use heliotile_weather::skies::luminance;
 use heliotile_core::dome::image::DomeImage;
 use heliotile_core::replay::seen::SkyDisc;
 use heliotile_core::sky::own_skies::{CloudLayer, no_parts};
+use heliotile_weather::skies::luminance;
 use serde_json::json;
 
 use crate::Answered;

@@ -1,6 +1,6 @@
 //! Light and reflectances of a query. In: a sun or rows of weather, changes. Out: conditions, the
-//! bins that they add to, and schedules of reflectances, as `heliotile query` and `heliotile
-//! replay` make them.
+//! bins that they add to, and schedules of reflectances, as `heliotile
+//! replay` makes them.
 
 use std::path::Path;
 

@@ -4,13 +4,13 @@
 
 use std::collections::HashMap;
 
-use heliotile_core::archive::format::{CANOPY, RECEIVERS};
 use heliotile_comfort::people::columns::ComfortColumn;
 use heliotile_comfort::people::points::{PersonPoints, all_of, point_of};
 use heliotile_comfort::people::surfaces::seen_surfaces;
 use heliotile_comfort::people::views::{PlaneViews, SeenByPlane, open_share, uniform_sky};
 use heliotile_comfort::surroundings::{SixPlanes, ViewShares};
 use heliotile_comfort::utci::StressCategory;
+use heliotile_core::archive::format::{CANOPY, RECEIVERS};
 use heliotile_core::error::Result;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::{Component, ComponentSet};

@@ -4,21 +4,21 @@
 use std::path::Path;
 
 use glam::DVec3;
-use heliotile_core::archive::Manifest;
 use heliotile_comfort::people::climate::HourAir;
+use heliotile_core::archive::Manifest;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::place::Place;
 use heliotile_core::units::tilt_and_azimuth;
 use heliotile_core::weather::air::Air;
 use heliotile_core::weather::clear::clear_moment;
 use heliotile_core::weather::conditions::Condition;
-use heliotile_weather::distance::far_apart;
-use heliotile_weather::formats::weather_file::parse_weather_as;
 use heliotile_core::weather::options::WeatherOptions;
 use heliotile_core::weather::row::WeatherRow;
-use heliotile_weather::series::{Weather, WeatherReport};
 use heliotile_core::weather::time::calendar::Date;
 use heliotile_core::weather::time::sun::Location;
+use heliotile_weather::distance::far_apart;
+use heliotile_weather::formats::weather_file::parse_weather_as;
+use heliotile_weather::series::{Weather, WeatherReport};
 use serde_json::json;
 
 use crate::answer::{Answer, Numbers};
@@ -139,7 +139,7 @@ impl LoadedWeather {
             "name": name,
             "rows": rows.len(),
             "labels": rows.iter().map(|row| row.interval.label()).collect::<Vec<_>>(),
-            "warnings": report.warnings.iter().map(|text| worded_text(text)).collect::<Vec<_>>(),
+            "warnings": report.warnings.iter().map(worded_text).collect::<Vec<_>>(),
             "latitude": site.latitude_deg,
             "longitude": site.longitude_deg,
             "zone": site.zone_hours,

@@ -1,4 +1,4 @@
-// The shown values as CSV: a row a receiver, columns named as `query`, `replay` and `compare` name
+// The shown values as CSV: a row a receiver, columns named as `replay` and `compare` name
 // them, and the inputs of the result on top.
 
 import { percentOf, type Partners } from "../change";

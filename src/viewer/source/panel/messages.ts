@@ -23,8 +23,8 @@ const ADVICE: Record<string, { what: string; todo: string }> = {
   network: { what: "The archive could not be loaded.", todo: "Check the connection and that the server lets other sites read it (CORS), then reload the page." },
   "no-archive": { what: "This file is not an archive of heliotile.", todo: "Open a .helio file, as `heliotile run` and `heliotile build` write them." },
   version: { what: "This page cannot read the format version of this archive.", todo: "Use the page of the program that wrote the archive, or build the archive again." },
-  cut: { what: "This archive is cut off: its end is missing.", todo: "Copy or download it again; `heliotile verify` checks whether it is complete." },
-  damaged: { what: "A part of this archive is damaged.", todo: "`heliotile verify` lists what is damaged, `heliotile repair` traces it again." },
+  cut: { what: "This archive is cut off: its end is missing.", todo: "Copy or download it again; `heliotile archive verify` checks whether it is complete." },
+  damaged: { what: "A part of this archive is damaged.", todo: "`heliotile archive verify` lists what is damaged, `heliotile archive repair` traces it again." },
   "other-place": { what: "The two archives cannot be compared: they lie at different places or use different coordinate systems.", todo: "Choose an archive of the same site." },
   "too-large": { what: "The server sends only whole files, and this one is too large for that.", todo: "Use a server that answers byte ranges (`heliotile view` does), or open the file from this computer." },
 };
@@ -78,7 +78,7 @@ export class Messages {
     const message = `${archive === "" ? "" : `${archive}: `}${typeof error === "string" ? error : told(error).message}`;
     if (this.damaged.has(message)) return;
     if (this.damaged.size === 0) {
-      this.tell([`Tile ${tile} cannot be shown: ${message}`, "The page shows the rest, and lists all damaged parts under Site. `heliotile repair` traces them again."], true, "damaged");
+      this.tell([`Tile ${tile} cannot be shown: ${message}`, "The page shows the rest, and lists all damaged parts under Site. `heliotile archive repair` traces them again."], true, "damaged");
     }
     this.damaged.add(message);
     this.damage.hidden = false;
