@@ -47,7 +47,7 @@ pub struct PartRequest<'a> {
 pub fn build_parts(place: &Path, request: &PartRequest, observer: &dyn Observer) -> Result<()> {
     if !is_address(place) && !is_atlas(place) {
         let what = format!("is not a folder of an atlas: it holds no {FILE}");
-        return Err(Error::input(place, None, what, "make one with `{command:partition}`"));
+        return Err(Error::input(place, None, what, "make one with `{command:atlas partition}`"));
     }
     let atlas = Atlas::open(place)?;
     let before = request.from.map(Atlas::find).transpose()?.flatten();
@@ -141,7 +141,7 @@ impl PartBuild<'_> {
         if let Some(file) = plan.changed(&site)? {
             let what = "changed since the region was cut: other parts use the earlier file";
             if !request.fresh {
-                let hint = "make another atlas with `{command:partition}`, restore the earlier file, or build this part from the present file with {fresh}";
+                let hint = "make another atlas with `{command:atlas partition}`, restore the earlier file, or build this part from the present file with {fresh}";
                 return Err(Error::input(&file, None, what, hint));
             }
             observer.warn(format!("{}: {what}", file.display()));

@@ -32,7 +32,7 @@ pub use heliotile_remote::places::ATLAS as FILE;
 const LAYOUT: u32 = 4;
 
 /// Hint for a plan that cannot be used.
-const AGAIN: &str = "make it again with `{command:partition}`";
+const AGAIN: &str = "make it again with `{command:atlas partition}`";
 
 /// A region cut into parts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -172,7 +172,7 @@ impl AtlasPlan {
         let folder = Directory::at(atlas);
         let found = if folder.is_remote() { folder.read(FILE, true)? } else { Some(input::read(&folder.join(FILE))?) };
         let nothing = || {
-            let hint = "give the folder of an atlas.json; `{command:copy} ATLAS ADDRESS` copies an atlas to an address";
+            let hint = "give the folder of an atlas.json; `{command:archive copy} ATLAS ADDRESS` copies an atlas to an address";
             Error::input(&shown(atlas), None, "holds no atlas.json, so it is not an atlas", hint)
         };
         AtlasPlan::of_file(&shown(&folder.join(FILE)), &found.ok_or_else(nothing)?)
@@ -191,7 +191,7 @@ impl AtlasPlan {
             return Err(Error::Unsupported {
                 what: format!("layout of {}", path.display()).into(),
                 found: stated.heliotile_atlas.to_string(),
-                supported: message!("{LAYOUT} only: cut the region again with `{{command:partition}}`"),
+                supported: message!("{LAYOUT} only: cut the region again with `{{command:atlas partition}}`"),
             });
         }
         let plan: AtlasPlan = serde_json::from_slice(bytes).map_err(|error| refuse(error.to_string()))?;

@@ -143,7 +143,7 @@ impl Error {
         expected: impl Into<String>,
     ) -> Self {
         let hint = message!(
-            "run `{{command:verify}} {}` for the full list, `{{command:repair}}`, or restore a copy",
+            "run `{{command:archive verify}} {}` for the full list, `{{command:archive repair}}`, or restore a copy",
             path.display()
         );
         let (path, block) = (path.to_path_buf(), block.into());
@@ -153,7 +153,7 @@ impl Error {
     /// Returns the error of a broken invariant of a block.
     pub fn defect(path: &Path, block: impl Into<String>, field: &'static str, what: impl Into<String>) -> Self {
         let hint = message!(
-            "run `{{command:verify_deep}} {}`; if it finds nothing, report this defect with the archive's root",
+            "run `{{command:archive verify --deep}} {}`; if it finds nothing, report this defect with the archive's root",
             path.display()
         );
         Error::Defect { path: path.to_path_buf(), block: block.into(), field, what: what.into(), hint }
@@ -323,7 +323,7 @@ mod tests {
     fn a_message_says_what_is_wrong_and_what_to_do() {
         let text = Error::defect(Path::new("a.helio"), "probes/3", "seen", "names no cell").to_string();
         assert!(text.starts_with("a.helio: block probes/3, seen: names no cell: a fault of the program"), "{text}");
-        assert_eq!((text.lines().count(), text.contains("heliotile verify --deep a.helio")), (2, true));
+        assert_eq!((text.lines().count(), text.contains("heliotile archive verify --deep a.helio")), (2, true));
         let error = Error::argument("set, sky", "hit is 3", "leave {set} out, see `{command:info}`");
         let words = |named: Named| match named {
             Named::Field("sky") => None,

@@ -1,5 +1,5 @@
-//! Places on Earth. In: coordinate reference systems by their EPSG numbers. Out: latitude, longitude
-//! and the direction of true north.
+//! Places on Earth. In: coordinate reference systems by their EPSG numbers. Out: latitude,
+//! longitude and the direction of true north.
 
 #![deny(missing_docs)]
 

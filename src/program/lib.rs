@@ -6,7 +6,7 @@ mod commands;
 #[cfg(test)]
 mod faces;
 
-pub use cli::{command_of, option_of};
+pub use cli::option_of;
 
 use std::ffi::OsString;
 

@@ -25,7 +25,7 @@ pub fn open_archive(place: &Path, access: Access) -> Result<Archive> {
     }
     if place.join(ATLAS).is_file() {
         let hint = "give the site.helio of one part; queries, replays, factors, buildings, places and checks accept a whole atlas, and \
-                    `{command:catalogue}` writes its page";
+                    `{command:atlas catalogue}` writes its page";
         return Err(Error::input(place, None, "is an atlas, but a single archive is needed here", hint));
     }
     let Some(pointer) = pointer_at(place) else { return Archive::open_with(place, access) };
@@ -75,7 +75,7 @@ pub fn require_file(place: &Path, why: &str) -> Result<()> {
     if !is_address(place) {
         return Ok(());
     }
-    let hint = Message::from("fetch it first: {command:copy} ").and(format!("{} FILE", shown(place).display()));
+    let hint = Message::from("fetch it first: {command:archive copy} ").and(format!("{} FILE", shown(place).display()));
     Err(Error::input(&shown(place), None, format!("is an address: {why}"), hint))
 }
 

@@ -5,9 +5,9 @@ use std::borrow::Cow;
 
 /// Text that names fields of requests and commands; each face puts its own words in their place.
 ///
-/// A text that is known when the program is compiled names them in braces, as in
-/// `"give {every} month, or run {command:verify}"`, and so does [`message!`](crate::message). A
-/// text that is made at run time, such as the name of a file, names nothing.
+/// A text that is known when the program is compiled names them in braces, as in `"give {every}
+/// month, or run {command:archive verify}"`, and so does [`message!`](crate::message). A text that
+/// is made at run time, such as the name of a file, names nothing.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Message(Box<[Piece]>);
 
@@ -18,7 +18,7 @@ pub enum Piece {
     Text(Cow<'static, str>),
     /// Name of a field of a request.
     Field(&'static str),
-    /// Name of a command on files. An underscore precedes its mode: `verify_deep`.
+    /// Command of the program as it is typed: `archive verify --deep`.
     Command(&'static str),
 }
 
@@ -27,7 +27,7 @@ pub enum Piece {
 pub enum Named<'a> {
     /// A field of a request.
     Field(&'a str),
-    /// A command on files, with its mode behind an underscore.
+    /// A command of the program as it is typed.
     Command(&'a str),
 }
 
@@ -101,7 +101,7 @@ impl Piece {
         match self {
             Piece::Text(text) => text.to_string(),
             Piece::Field(name) => (*name).to_owned(),
-            Piece::Command(name) => format!("heliotile {}", name.replace('_', " --")),
+            Piece::Command(words) => format!("heliotile {words}"),
         }
     }
 }
@@ -124,10 +124,12 @@ impl From<&'static str> for Message {
 }
 
 fn name_of(text: &'static str) -> Option<Piece> {
-    let is_name = |name: &str| !name.is_empty() && name.bytes().all(|byte| byte.is_ascii_lowercase() || byte == b'_');
+    let is_of = |text: &str, other: &[u8]| {
+        !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_lowercase() || other.contains(&byte))
+    };
     match text.strip_prefix("command:") {
-        Some(command) => is_name(command).then_some(Piece::Command(command)),
-        None => is_name(text).then_some(Piece::Field(text)),
+        Some(command) => is_of(command, b" -").then_some(Piece::Command(command)),
+        None => is_of(text, b"_").then_some(Piece::Field(text)),
     }
 }
 
@@ -177,7 +179,7 @@ mod tests {
     fn sentences_name_fields_and_texts_of_users_do_not() {
         let words = |message: Message| message.in_words(&typed);
         assert_eq!(words("give {min_area} 0, or {every} month".into()), "give --min-area 0, or --every month");
-        assert_eq!(words("run `{command:verify} a.helio`".into()), "run `heliotile verify a.helio`");
+        assert_eq!(words("run `{command:archive verify} a.helio`".into()), "run `heliotile archive verify a.helio`");
         assert_eq!(words("{weather}.epw".to_owned().into()), "{weather}.epw");
         for text in ["found {\"a\": 1} and {", "{command:} {a:b} {}", "}{", "{A}"] {
             assert_eq!(words(text.into()), text);
@@ -191,17 +193,17 @@ mod tests {
     fn messages_keep_texts_of_users() {
         let (file, count, share) = ("{every}.csv", 3, 0.456);
         let message = message!(
-            "{file}: {} of {count:2} ({{every}} {:.1}): run {{command:verify_deep}} {{{{}}}} {file}",
+            "{file}: {} of {count:2} ({{every}} {:.1}): run {{command:archive verify --deep}} {{{{}}}} {file}",
             "{crs}",
             share
         );
         assert_eq!(
             message.in_words(&typed),
-            "{every}.csv: {crs} of  3 (--every 0.5): run heliotile verify_deep {{}} {every}.csv"
+            "{every}.csv: {crs} of  3 (--every 0.5): run heliotile archive verify --deep {{}} {every}.csv"
         );
         assert_eq!(
             message.plain(),
-            "{every}.csv: {crs} of  3 (every 0.5): run heliotile verify --deep {{}} {every}.csv"
+            "{every}.csv: {crs} of  3 (every 0.5): run heliotile archive verify --deep {{}} {every}.csv"
         );
         assert!(message.names("every") && !message.names("crs") && !message.is_empty());
         assert_eq!(Message::joined([message!("{{every}}"), "b".into()], "; ").plain(), "every; b");

@@ -165,8 +165,13 @@ const OTHER_INPUTS: &str =
 /// folder, and that it is none of the inputs.
 pub fn check_output(output: &Path, site: &SceneFiles, inputs: &[Option<&Path>]) -> Result<()> {
     if is_address(output) {
-        let hint = "write a file, and then: {command:copy} FILE ADDRESS";
-        return Err(Error::input(&shown(output), None, "is an address, and only `archive copy` writes to addresses", hint));
+        let hint = "write a file, and then: {command:archive copy} FILE ADDRESS";
+        return Err(Error::input(
+            &shown(output),
+            None,
+            "is an address, and only `archive copy` writes to addresses",
+            hint,
+        ));
     }
     check_archive_name(output)?;
     guard_site(output, site, inputs)?;

@@ -35,6 +35,7 @@ mod lit_wall;
 mod longwave;
 mod manners;
 mod maps;
+mod message_names;
 mod mirrors;
 mod name_index;
 mod numerics;

@@ -31,7 +31,7 @@ impl Conflicts {
         }
         let what =
             format!("cannot be merged with {}: {}", first.display(), listed(self.count, "conflict", &self.names));
-        let hint = "see `{command:diff}`; build one of the two again, or leave receivers out with `{command:extract}`";
+        let hint = "see `{command:archive diff}`; build one of the two again, or leave receivers out with `{command:archive extract}`";
         Err(Error::input(second, None, what, hint))
     }
 }

@@ -73,8 +73,13 @@ fn check_output(path: &Path, written: OutputKind, geo: bool) -> Result<()> {
         return Ok(());
     }
     if is_address(path) {
-        let hint = message!("write a file, and then: {{command:copy}} FILE {}", shown(path).display());
-        return Err(Error::input(&shown(path), None, "is an address, and only `archive copy` writes to addresses", hint));
+        let hint = message!("write a file, and then: {{command:archive copy}} FILE {}", shown(path).display());
+        return Err(Error::input(
+            &shown(path),
+            None,
+            "is an address, and only `archive copy` writes to addresses",
+            hint,
+        ));
     }
     match written {
         OutputKind::Archive => check_archive_name(path)?,

@@ -87,16 +87,16 @@ impl Default for ReplaySettings<'_> {
 /// use std::path::Path;
 /// use heliotile_core::opened::OpenSite;
 /// use heliotile_core::replay::components::Component;
-/// use heliotile_core::weather::formats::weather_file::parse_weather;
+/// use heliotile_core::weather::clear::clear_year;
 /// use heliotile_core::archive::Archive;
 /// use heliotile_core::replay::run::{Replay, ReplaySettings};
 ///
 /// # fn main() -> heliotile_core::error::Result<()> {
 /// let archive = Archive::open(Path::new("site.helio"))?;
-/// let name = Path::new("x.epw");
-/// let bytes = std::fs::read(name).expect("a weather file");
-/// let conditions = parse_weather(name, &bytes)?.conditions(1);
-/// let replay = Replay::new(&OpenSite::of(&archive)?, &conditions, ReplaySettings::default())?;
+/// let site = OpenSite::of(&archive)?;
+/// let place = archive.manifest().place.expect("a place");
+/// let (conditions, _) = clear_year(&place);
+/// let replay = Replay::new(&site, &conditions, ReplaySettings::default())?;
 /// for tile in replay.results(0..replay.tiles()) {
 ///     let (ids, values) = tile?;
 ///     for (receiver, id) in ids.iter().enumerate() {

@@ -1,5 +1,6 @@
-//! Hours of sun at a receiver. In: a receiver's layers, the suns of the rows of a weather file. Out: hours of
-//! each row, by the same lookups of the sun's disc in the receiver's sky as direct irradiance.
+//! Hours of sun at a receiver. In: a receiver's layers, the suns of the rows of a weather file.
+//! Out: hours of each row, by the same lookups of the sun's disc in the receiver's sky as direct
+//! irradiance.
 
 use glam::DVec3;
 

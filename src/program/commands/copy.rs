@@ -1,5 +1,5 @@
-//! `heliotile archive copy`: an archive or an atlas to an object store, or from there. In: two places. Out:
-//! the bytes of the first place at the second one, whole or not at all.
+//! `heliotile archive copy`: an archive or an atlas to an object store, or from there. In: two
+//! places. Out: the bytes of the first place at the second one, whole or not at all.
 
 use super::console::terminal::Terminal;
 use super::{Outcome, remark};

@@ -1,5 +1,5 @@
-//! `heliotile info` of archives, and `archive verify`. In: an archive. Out: its contents, or its damaged
-//! blocks.
+//! `heliotile info` of archives, and `archive verify`. In: an archive. Out: its contents, or its
+//! damaged blocks.
 
 use std::fmt::Write;
 

@@ -1,5 +1,5 @@
-//! `heliotile archive extract`, `merge` and `diff`. In: archives. Out: a part of one, the union of two, or
-//! their differences.
+//! `heliotile archive extract`, `merge` and `diff`. In: archives. Out: a part of one, the union of
+//! two, or their differences.
 
 use super::console::terminal::Terminal;
 use super::{Outcome, remark, say, workspace_beside};

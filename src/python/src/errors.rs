@@ -7,7 +7,7 @@ use heliotile::Error;
 use heliotile::cases::{Aim, COMMANDS};
 use heliotile::requests::Problem;
 use heliotile::text::{Message, Named};
-use heliotile_program::{command_of, option_of};
+use heliotile_program::option_of;
 
 /// Returns the exception of an error.
 pub fn raised(py: Python<'_>, error: Error) -> PyErr {
@@ -37,7 +37,7 @@ pub fn worded_text(text: &Message) -> String {
 fn in_python(named: Named) -> Option<String> {
     match named {
         Named::Field(field) => option_of(field).map(|_| keyword(field)),
-        Named::Command(command) => Some(format!("python -m heliotile {}", command_of(command)?)),
+        Named::Command(words) => Some(format!("python -m heliotile {words}")),
     }
 }
 

@@ -43,7 +43,7 @@ pub fn download(file: &RemoteFile, to: &Path, replace: bool, came: impl Fn(u64))
                 file.name(),
                 None,
                 what,
-                "copy it again; if the damage is the same, `{command:verify}` lists all of it",
+                "copy it again; if the damage is the same, `{command:archive verify}` lists all of it",
             ));
         }
     }

@@ -45,7 +45,7 @@ pub fn derive(input: TokenStream) -> TokenStream {
 }
 
 /// Makes a message of a text as `format!` takes it, which names fields of requests and commands in
-/// double braces: `message!("{file}: give {{every}} month, or run {{command:verify}}")`.
+/// double braces: `message!("{file}: give {{every}} month, or run {{command:archive verify}}")`.
 #[proc_macro]
 pub fn message(input: TokenStream) -> TokenStream {
     let message = parse_macro_input!(input as message::Message);

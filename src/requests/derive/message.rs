@@ -75,6 +75,7 @@ impl Message {
 /// Returns the name in double braces at the start of a text, and what follows.
 fn name_of(text: &str) -> Option<(&str, &str)> {
     let (name, behind) = text.strip_prefix("{{")?.split_once("}}")?;
-    let is_name = |name: &str| !name.is_empty() && name.bytes().all(|byte| byte.is_ascii_lowercase() || byte == b'_');
-    is_name(name.strip_prefix("command:").unwrap_or(name)).then_some((name, behind))
+    let (words, other) = name.strip_prefix("command:").map_or((name, &b"_"[..]), |words| (words, b" -"));
+    let is_name = !words.is_empty() && words.bytes().all(|byte| byte.is_ascii_lowercase() || other.contains(&byte));
+    is_name.then_some((name, behind))
 }

@@ -87,8 +87,8 @@ impl ViewerPage {
         self
     }
 
-    /// Sets how the weather file is read, where this differs from the file's own statement: texts by
-    /// the names of the request's fields.
+    /// Sets how the weather file is read, where this differs from the file's own statement: texts
+    /// by the names of the request's fields.
     pub fn with_weather_options(self, options: &WeatherOptions) -> Self {
         let shift = match options.shift {
             shift if shift == TimeShift::default() => None,

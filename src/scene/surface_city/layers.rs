@@ -124,7 +124,7 @@ fn check_size(file: &Path, grid: &Grid) -> Result<()> {
     }
     let (columns, rows) = (grid.columns, grid.rows);
     let what = format!("{columns} x {rows} cells are more than the {MAX_CELLS} that become a city at once");
-    let hint = "cut the region into parts ({command:partition}), cut the raster (`gdalwarp -te west south east north in.tif out.tif`), or make \
+    let hint = "cut the region into parts ({command:atlas partition}), cut the raster (`gdalwarp -te west south east north in.tif out.tif`), or make \
                 it coarser (`gdalwarp -tr 2 2 -r average in.tif out.tif`)";
     Err(Error::input(file, None, what, hint))
 }

@@ -117,7 +117,7 @@ impl RepairRequest {
         )?;
         if done.root != root {
             let what = "the repaired archive has another root than the original: another release wrote the original, or its receivers were others";
-            let hint = "compare the two with `{command:diff}`; if the repaired one is right, rename it to replace the original";
+            let hint = "compare the two with `{command:archive diff}`; if the repaired one is right, rename it to replace the original";
             return Err(Error::input(&repaired, None, what, hint));
         }
         std::fs::rename(&repaired, output).map_err(Error::io(output, "rename the repaired archive to"))?;

@@ -25,7 +25,7 @@ const SHIPPED: [(&str, &str); 11] = [
 ];
 
 /// Hint that says what a file of rules may hold.
-const KEYS: &str = "give tables [[rule]] with a name, dates, at_least and other keys as in the shipped rules ({command:info_rule} NAME shows them)";
+const KEYS: &str = "give tables [[rule]] with a name, dates, at_least and other keys as in the shipped rules ({command:info --rule} NAME shows them)";
 
 /// Contents of a file of rules.
 #[derive(Deserialize)]

@@ -1,8 +1,8 @@
 //! Tables of values of sky patches. In: the bytes of a CSV file. Out: a checked [`PatchFile`].
 //!
 //! The first line names the columns: `time` or `condition`, if rows have names, then one a patch.
-//! The names of patches do not matter, but their order does ([`heliotile_core::sky::patches`]). There are
-//! 145, 577 or 2305 of them, or one more in front for the ground, which is not used.
+//! The names of patches do not matter, but their order does ([`heliotile_core::sky::patches`]).
+//! There are 145, 577 or 2305 of them, or one more in front for the ground, which is not used.
 
 use std::path::Path;
 

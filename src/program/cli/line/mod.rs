@@ -10,4 +10,4 @@ pub use everywhere::EverywhereArgs;
 pub use invocation::again;
 pub use misplaced::parse;
 pub use shell_words::quoted;
-pub use wording::{command_of, option_of, worded, worded_text};
+pub use wording::{option_of, worded, worded_text};

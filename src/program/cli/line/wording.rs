@@ -7,7 +7,6 @@ use std::sync::LazyLock;
 
 use crate::cli::{command_line, named};
 use heliotile::Error;
-use heliotile::cases::COMMANDS;
 use heliotile::text::{Message, Named};
 
 /// Options by the request field that they fill: the arguments of all commands.
@@ -34,20 +33,10 @@ pub fn option_of(field: &str) -> Option<&'static str> {
     OPTIONS.get(field).map(String::as_str)
 }
 
-/// Returns the words of a command behind the program's name, `archive verify --deep` for
-/// `verify_deep`; `None` if there is no such command.
-pub fn command_of(last: &str) -> Option<String> {
-    let (last, option) = last.split_once('_').map_or((last, None), |(name, option)| (name, Some(option)));
-    let command = COMMANDS.iter().find(|command| command.last_word() == last)?;
-    let Some(option) = option else { return Some(command.name.to_owned()) };
-    let has_option = (command.rows)().iter().any(|row| row.name == option);
-    has_option.then(|| format!("{} --{}", command.name, option.replace('_', "-")))
-}
-
 fn in_line(named: Named) -> Option<String> {
     match named {
         Named::Field(field) => option_of(field).map(str::to_owned),
-        Named::Command(command) => Some(format!("heliotile {}", command_of(command)?)),
+        Named::Command(words) => Some(format!("heliotile {words}")),
     }
 }
 
@@ -66,14 +55,6 @@ mod tests {
         assert_eq!(named("azimuth_step, altitude_step"), "--azimuth-step, --altitude-step");
         assert_eq!(worded_text(&"take {every} month of {nothing}".into()), "take --every month of nothing");
         assert_eq!((named("threads").as_str(), named("SCENE").as_str()), ("--threads", "SCENE"));
-    }
-
-    /// A command with and without an option is named as it is typed; 2 that do not exist stay.
-    #[test]
-    fn commands_are_typed() {
-        assert_eq!(worded_text(&"`{command:verify_deep} a.helio`".into()), "`heliotile archive verify --deep a.helio`");
-        assert_eq!(worded_text(&"`{command:repair}`".into()), "`heliotile archive repair`");
-        assert_eq!(worded_text(&"{command:mend}".into()), "heliotile mend");
     }
 
     /// A field has one option, whichever command takes it.

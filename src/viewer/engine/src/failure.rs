@@ -67,8 +67,8 @@ pub fn worded_text(text: &Message) -> String {
 /// Returns field names in plain words, and the program's commands for tasks that the page cannot
 /// do.
 fn in_page(named: Named) -> Option<String> {
-    Some(match named {
-        Named::Field(field) => field.replace('_', " "),
-        Named::Command(command) => format!("heliotile {}", command.replace('_', " --")),
-    })
+    match named {
+        Named::Field(field) => Some(field.replace('_', " ")),
+        Named::Command(_) => None,
+    }
 }
