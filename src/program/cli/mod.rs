@@ -8,6 +8,7 @@
 mod commands;
 mod line;
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use clap::builder::EnumValueParser;
@@ -86,14 +87,15 @@ pub fn command_line_with(is_named: &dyn Fn(&str) -> bool) -> Command {
     EverywhereArgs::augment_args(program).about(ABOUT).after_help(listed)
 }
 
-/// Returns the commands under headings of what they are for.
+/// Returns the commands under headings of what they are for, each group of commands once.
 fn listed(program: &Command) -> String {
     let mut text = String::new();
+    let mut shown = BTreeSet::new();
     for (aim, heading) in cases::Aim::ALL {
         text += &format!("\n{heading}\n");
         let of_aim = cases::COMMANDS.iter().filter(|command| command.aim == aim);
-        let mut names: Vec<&str> = of_aim.filter_map(|command| command.name.split(' ').next()).collect();
-        names.dedup();
+        let names = of_aim.filter_map(|command| command.name.split(' ').next());
+        let names: Vec<&str> = names.filter(|name| shown.insert(*name)).collect();
         for command in names.iter().filter_map(|name| program.find_subcommand(name)) {
             let about = command.get_about().map(ToString::to_string).unwrap_or_default();
             let about = about.split(". ").next().and_then(|first| first.split([':', ';']).next()).unwrap_or_default();
