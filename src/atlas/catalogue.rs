@@ -1,7 +1,6 @@
 //! A static STAC catalogue of an atlas. In: an atlas. Out: `collection.json` beside the plan and
 //! `item.json` beside each archive, with pictures and the page that shows them.
 
-use heliotile_requests::Request;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
@@ -20,6 +19,7 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::observer::Observer;
 use heliotile_core::text::{counted, message};
 use heliotile_remote::places::open_archive;
+use heliotile_requests::Request;
 use heliotile_results::crs_of;
 use heliotile_results::outputs::provenance::Provenance;
 use heliotile_results::outputs::sink::{write_file, write_texts};

@@ -1,7 +1,6 @@
 //! An open atlas, in a folder or below an address. In: its place. Out: its plan, read once; the
 //! state of its parts; their archives.
 
-use heliotile_core::text::message;
 use std::path::Path;
 
 use glam::DVec2;
@@ -13,6 +12,7 @@ use heliotile_core::archive::format::{BlockKind, Entry};
 use heliotile_core::archive::{Access, Archive, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::opened::{OpenSite, tiles_within};
+use heliotile_core::text::message;
 use heliotile_remote::Directory;
 use heliotile_remote::naming::{is_address, shown};
 use heliotile_remote::places::find_archive;

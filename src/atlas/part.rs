@@ -4,7 +4,6 @@
 //! after the other. Below an address, the archive is published when it is whole, unless one is
 //! there.
 
-use heliotile_core::text::message;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::thread;
@@ -17,6 +16,7 @@ use heliotile_builder::trace::placement::Placement;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::observer::Observer;
+use heliotile_core::text::message;
 use heliotile_files::writing::file_lock::FileLock;
 use heliotile_remote::naming::{is_address, shown};
 use heliotile_results::outputs::sink::write_texts;

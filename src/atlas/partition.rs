@@ -2,8 +2,6 @@
 //! the halo makes. No part is traced. Files are read one after the other, so that memory is that of
 //! the largest.
 
-use heliotile_files::spill::parse_memory;
-use heliotile_requests::Request;
 use std::fs;
 use std::path::PathBuf;
 
@@ -15,6 +13,8 @@ use heliotile_archives::Workspace;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::observer::Observer;
+use heliotile_files::spill::parse_memory;
+use heliotile_requests::Request;
 use heliotile_results::outputs::sink::write_texts;
 
 /// Halo width below which a warning says that neighbours that matter are left out, metres.

@@ -2,9 +2,6 @@
 //! lie. Out: parts with their places and the site of each, the same wherever and whenever it is
 //! read.
 
-use heliotile_core::text::message;
-use heliotile_core::units::parse_metres;
-use heliotile_requests::Request;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -17,9 +14,12 @@ use serde::{Deserialize, Serialize};
 use crate::seams::Seams;
 use heliotile_builder::planning::AccuracyRequest;
 use heliotile_core::error::{Error, Result};
+use heliotile_core::text::message;
+use heliotile_core::units::parse_metres;
 use heliotile_files::input;
 use heliotile_remote::Directory;
 use heliotile_remote::naming::shown;
+use heliotile_requests::Request;
 use heliotile_scene::region_part::RegionPart;
 use heliotile_scene::request::SceneRequest;
 use heliotile_scene::site::SceneFiles;

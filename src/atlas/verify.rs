@@ -1,7 +1,6 @@
 //! Checks of archives. In: the place of an archive or of an atlas. Out: every part of each archive
 //! that is not as it was written.
 
-use heliotile_requests::Request;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -12,6 +11,7 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::text::counted;
 use heliotile_remote::naming::shown;
 use heliotile_remote::places::{open_archive, verify_archive};
+use heliotile_requests::Request;
 
 /// Request for a check.
 #[derive(Clone, Debug, Request)]

@@ -1,6 +1,5 @@
 //! Requests of commands on archives, atlases and pages.
 
-use heliotile_core::text::Message;
 use std::path::{Path, PathBuf};
 
 use heliotile_archives::Workspace;
@@ -11,6 +10,7 @@ use heliotile_core::archive::Access;
 use heliotile_core::error::Result;
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::observer::Observer;
+use heliotile_core::text::Message;
 use heliotile_core::weather::options::WeatherOptions;
 use heliotile_files::spill::parse_memory;
 use heliotile_files::writing::copy::folder_of;

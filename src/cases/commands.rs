@@ -85,7 +85,7 @@ commands![
         "run",
         Run,
         Start,
-        "Compute a year of solar irradiation from scene files with one command: receivers, archive, sums, map"
+        "Compute a year of solar irradiation from scene files with one command: receivers, archive, sums, pictures, a page"
     ),
     (
         "pv",

@@ -1,12 +1,12 @@
 //! Requests of commands that compute light from archives.
 
-use heliotile_core::text::Message;
 use std::path::{Path, PathBuf};
 
 use heliotile_atlas::{ExportRequest, SunPosition};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::replay::components::{Component, ComponentList};
+use heliotile_core::text::Message;
 use heliotile_core::weather::conditions::Condition;
 use heliotile_files::spill::parse_memory;
 use heliotile_requests::Request;

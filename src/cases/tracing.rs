@@ -8,7 +8,7 @@ use heliotile_atlas::plan::FILE;
 use heliotile_builder::accuracy::conditions::ErrorConditions;
 use heliotile_builder::pipeline::{Output, Start};
 use heliotile_builder::planning::{BuildDone, EffectsUnder, PlanReport, tables};
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::observer::Observer;
 use heliotile_core::text::counted;
 use heliotile_core::weather::options::WeatherOptions;
@@ -57,6 +57,7 @@ impl Build {
                 let what = format!("{} is an atlas, and the part to build is not given", only.display());
                 Error::argument("part", what, hint)
             }
+            _ if self.dry_run => Error::argument("receivers", "is not given", "give it too").because(Problem::Missing),
             _ => Error::argument(
                 "build",
                 "the receivers and the archive to write are not given",

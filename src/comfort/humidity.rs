@@ -4,8 +4,9 @@
 //! Relative humidity is over liquid water at all temperatures, as weather stations report it
 //! (WMO-No. 8, Guide to Instruments and Methods of Observation).
 
-use heliotile_core::weather::emission::ZERO_CELSIUS_K;
 use std::ops::RangeInclusive;
+
+use heliotile_core::weather::emission::ZERO_CELSIUS_K;
 
 /// Range of temperatures of the saturation pressure, degrees Celsius.
 const RANGE_C: RangeInclusive<f64> = -100.0..=100.0;

@@ -7,7 +7,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 pub use heliotile_requests::Problem;
-use heliotile_requests::{Message, Named, Refused, Words, Wrong, message};
+use heliotile_requests::{Message, Named, Refused, Words, message};
 
 /// Result of every function that can fail.
 pub type Result<T> = std::result::Result<T, Error>;
@@ -291,12 +291,6 @@ impl fmt::Display for Error {
                 write!(f, "{} is {value}, the limit is {max}", what.plain())
             }
         }
-    }
-}
-
-impl From<Error> for Wrong {
-    fn from(error: Error) -> Self {
-        error.to_string().into()
     }
 }
 

@@ -3,7 +3,6 @@
 //! under a sky, split into a part that depends on the ground's reflectance and a part that does
 //! not.
 
-use heliotile_results::SkyChoice;
 use std::collections::BTreeMap;
 
 use heliotile_core::archive::Archive;
@@ -16,6 +15,7 @@ use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::units::direction_from_degrees;
 use heliotile_core::weather::conditions::Condition;
+use heliotile_results::SkyChoice;
 use heliotile_results::{LightChoice, ReceiverSet, Resources, Series, TileStream};
 
 /// DNI that sun tables stand for, and DHI that the sky values stand for, W/m2.

@@ -1,7 +1,6 @@
 //! Rows of a CSV file. In: the file, piece by piece. Out: its records with the line that each
 //! begins in, and errors that name file, line and column.
 
-use heliotile_core::text::Message;
 use std::io::{self, Read};
 use std::path::Path;
 
@@ -10,6 +9,7 @@ use csv::{ErrorKind, ReaderBuilder, StringRecord, Trim};
 use crate::input;
 use crate::text::{excerpt, without_byte_order_mark};
 use heliotile_core::error::{Error, Result};
+use heliotile_core::text::Message;
 
 /// Longest row that is read, bytes, including blank lines before it.
 const MAX_ROW: usize = 16 << 20;

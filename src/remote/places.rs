@@ -1,7 +1,6 @@
 //! The one entry to archives that are read. In: a path, or the address of an object. Out: the
 //! archive there, or the archive that a pointer there leads to.
 
-use heliotile_core::text::Message;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -12,6 +11,7 @@ use heliotile_core::archive::pointer::{MAX_POINTER, Pointer};
 use heliotile_core::archive::read_at::OpenFile;
 use heliotile_core::archive::{self, Access, Archive, ReadAt, VerifyReport, format};
 use heliotile_core::error::{Error, Result};
+use heliotile_core::text::Message;
 
 /// Name of the plan in the folder of an atlas.
 pub const ATLAS: &str = "atlas.json";

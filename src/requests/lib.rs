@@ -452,20 +452,15 @@ pub fn groups_under<R: Request>(without: &[&str]) -> Vec<Group> {
 
 /// Fills the fields of a request, each with its texts.
 pub fn filled<R: Request + Default>(given: &[(String, Vec<String>)]) -> Result<R, Refused> {
-    let refused = |field: &str, Wrong { problem, what, hint }: Wrong| {
-        let or = |text: String, usual: &'static str| if text.is_empty() { usual.into() } else { Message::from(text) };
-        let (what, hint) = (or(what, "cannot be used"), or(hint, "give another value"));
-        Refused { fields: vec![field.to_owned()], problem, what, hint }
-    };
     let mut request = R::default();
     for (name, texts) in given {
         match request.fill(name, texts) {
             Ok(true) => {}
             Ok(false) => {
                 let problem = Problem::unknown(name, R::rows().iter().map(|row| row.name));
-                return Err(refused(name, Wrong { problem, ..Wrong::from("there is no such option") }));
+                return Err(Wrong { problem, ..Wrong::from("there is no such option") }.in_field(name));
             }
-            Err(wrong) => return Err(refused(name, wrong)),
+            Err(wrong) => return Err(wrong.in_field(name)),
         }
     }
     Ok(request)

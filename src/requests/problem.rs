@@ -103,6 +103,14 @@ impl Wrong {
         let hint = format!("give one of {}", known.join(", "));
         Wrong { problem: Problem::unknown(found, known), what: format!("`{found}` is not a known value"), hint }
     }
+
+    /// Returns the refusal of a request whose field has this text.
+    pub fn in_field(self, field: &str) -> Refused {
+        let Wrong { problem, what, hint } = self;
+        let or = |text: String, usual: &'static str| if text.is_empty() { usual.into() } else { Message::from(text) };
+        let (what, hint) = (or(what, "cannot be used"), or(hint, "give another value"));
+        Refused { fields: vec![field.to_owned()], problem, what, hint }
+    }
 }
 
 /// A sentence of the form `it is 3: give 1 or 2`, or a part of it.

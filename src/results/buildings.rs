@@ -1,8 +1,6 @@
 //! Solar cadastre of buildings and roof faces. In: a stream of a year's sums. Out: tables of
 //! buildings and of roof faces.
 
-use heliotile_core::units::parse_amount;
-use heliotile_requests::Request;
 use std::path::{Path, PathBuf};
 
 use super::archives::Archives;
@@ -14,9 +12,11 @@ use heliotile_archives::transfer::Shown;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::text::{Message, counted, message};
+use heliotile_core::units::parse_amount;
 use heliotile_files::writing::claim::same_place;
 use heliotile_files::writing::guards::guard_output;
 use heliotile_remote::naming::shown;
+use heliotile_requests::Request;
 
 /// Hours that are more than a year's. The reader of the weather warns of fewer hours than a year
 /// has.

@@ -1,7 +1,6 @@
 //! Doubts that a user should know before results are used. In: an archive, weather, a request. Out:
 //! sentences, or a refusal.
 
-use heliotile_core::text::{Message, message};
 use std::path::Path;
 
 use crate::outputs::periods::Every;
@@ -12,6 +11,7 @@ use heliotile_core::replay::components::{Component, ComponentList};
 use heliotile_core::replay::reflectances::{Changeable, Changes};
 use heliotile_core::site::material::rounded;
 use heliotile_core::site::place::Place;
+use heliotile_core::text::{Message, message};
 use heliotile_core::weather::span::Span;
 use heliotile_core::weather::time::years::Years;
 use heliotile_weather::dated::DatedRows;

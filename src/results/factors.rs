@@ -1,8 +1,6 @@
 //! Factors of receivers or groups by position of the sun. In: archives, a grid of suns. Out: five
 //! factors for each sun, name after name.
 
-use heliotile_core::text::Message;
-use heliotile_requests::Request;
 use std::path::{Path, PathBuf};
 
 use super::buildings::check_table;
@@ -19,6 +17,8 @@ use heliotile_core::observer::Observer;
 use heliotile_core::replay::factors::{PARTS, SunGrid};
 use heliotile_core::replay::run::ReplaySettings;
 use heliotile_core::replay::values::TileValues;
+use heliotile_core::text::Message;
+use heliotile_requests::Request;
 
 /// Request for a table of the light that surroundings reflect on receivers, by position of the sun.
 #[derive(Clone, Debug, Request)]

@@ -1,9 +1,6 @@
 //! The best places of modules on roofs and facades. In: a stream of a year's sums. Out: a table of
 //! points that a study of modules reads.
 
-use heliotile_core::named::NamedValues;
-use heliotile_core::units::parse_amount;
-use heliotile_requests::Request;
 use std::path::{Path, PathBuf};
 
 use super::archives::Archives;
@@ -16,10 +13,13 @@ use crate::outputs::tables::format::table_help;
 use crate::outputs::tables::rows::{Cell, Records};
 use heliotile_archives::transfer::Shown;
 use heliotile_core::error::{Error, Result};
+use heliotile_core::named::NamedValues;
 use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::site::north::North;
 use heliotile_core::text::{Message, counted, message};
+use heliotile_core::units::parse_amount;
 use heliotile_core::units::tilt_and_azimuth;
+use heliotile_requests::Request;
 
 /// Returns the columns of the table.
 fn columns() -> Vec<Column> {

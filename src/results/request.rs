@@ -2,7 +2,6 @@
 //! ([`ReplayRequest`]). In: the choices of a user, from any front end. Out: these choices as one
 //! value, checked once, and the series of conditions that results are computed for.
 
-use heliotile_requests::{Form, Parse, Request};
 use std::path::{Path, PathBuf};
 
 use super::archives::Archives;
@@ -20,6 +19,7 @@ use heliotile_core::replay::reflectances::{Changes, Snow, followed_files};
 use heliotile_core::weather::conditions::Condition;
 use heliotile_core::weather::options::{StampedAt, WeatherOptions};
 use heliotile_core::weather::span::{Moment, Span};
+use heliotile_requests::{Form, Parse, Request};
 use heliotile_weather::dated::DatedRows;
 use heliotile_weather::distance::far_apart;
 use heliotile_weather::formats::weather_file::{ScenePlace, parse_weather_as};

@@ -2,7 +2,6 @@
 //! conditions with their labels, the bins that they add up in, the changes over them, and the same
 //! conditions in longer periods.
 
-use heliotile_core::text::Message;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -22,6 +21,7 @@ use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::ComponentSet;
 use heliotile_core::replay::reflectances::{Changeable, Changes};
 use heliotile_core::replay::values::TileValues;
+use heliotile_core::text::Message;
 use heliotile_core::weather::conditions::{Condition, Stamp, parse_conditions};
 use heliotile_core::weather::options::StampedAt;
 use heliotile_core::weather::row::WeatherRow;

@@ -2,7 +2,6 @@
 //! archives, weather. Out: an HTML file that holds the archives, or asks for those that are too
 //! large for it.
 
-use heliotile_requests::Request;
 use std::path::{Path, PathBuf};
 
 use crate::doubts::check_one_site;
@@ -19,6 +18,7 @@ use heliotile_files::input::weather::read_weather_as;
 use heliotile_files::writing::guards::guard_output;
 use heliotile_remote::naming::shown;
 use heliotile_remote::places::{hold, open_archive};
+use heliotile_requests::Request;
 use heliotile_weather::distance::far_apart;
 
 /// Request for a page.

@@ -1,12 +1,12 @@
 //! Options for footprints. In: texts of command-line options and of `site.toml`. Out: where heights
 //! of buildings come from.
 
-use heliotile_requests::Request;
 use std::fmt::{self, Display};
 use std::str::FromStr;
 
 use heliotile_core::named::NamedValues;
 use heliotile_core::units::parse_metres;
+use heliotile_requests::Request;
 use serde::{Deserialize, Serialize};
 
 /// Default height of a storey, metres from floor to floor: what OSM's page "Simple 3D Buildings"

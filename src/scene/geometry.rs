@@ -2,7 +2,6 @@
 //! and an object. In: what a reader finds, one item after the other. Out: lists in which every
 //! index is in range and every coordinate finite.
 
-use heliotile_core::text::Message;
 use std::collections::BTreeMap;
 use std::collections::HashMap;
 use std::ops::Range;
@@ -18,6 +17,7 @@ use crate::placing::y_up::HeaderUp;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::scene_object::ObjectNote;
 use heliotile_core::site::semantics::{FaceNote, SourceFace, SurfaceKind};
+use heliotile_core::text::Message;
 use heliotile_place::reference::Reference;
 
 /// Polygons of one file, in the order of the file.

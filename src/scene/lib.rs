@@ -79,7 +79,6 @@ mod terrain;
 mod tests;
 mod text;
 
-use heliotile_core::text::Message;
 use std::path::Path;
 
 use glam::DVec3;
@@ -101,6 +100,7 @@ use heliotile_core::site::material::Material;
 use heliotile_core::site::north::North;
 use heliotile_core::site::place::Place;
 use heliotile_core::site::scene_object::SceneObject;
+use heliotile_core::text::Message;
 use materials::MaterialUse;
 use mesh::{Canonical, Mesh, RawTriangle, canonical};
 use mesh_objects::{MeshObjects, ranked};

@@ -1,7 +1,6 @@
 //! Request for a scene. In: files, and statements about them. Out: one value that can be stored and
 //! read again, and the site that it describes.
 
-use heliotile_requests::Request;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -12,6 +11,7 @@ use crate::placing::frame::SiteFrame;
 use crate::site::{MissingGround, Part, SceneFiles};
 use crate::surface_rasters::SurfaceRasters;
 use heliotile_core::error::{Error, Result};
+use heliotile_requests::Request;
 
 /// Request for a scene: its files, and statements about them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, Request)]

@@ -1,8 +1,9 @@
 //! Request for rasters that a city is read from. In: paths and numbers. Out: one value that can be
 //! stored and read again.
 
-use heliotile_requests::Request;
 use std::path::{Path, PathBuf};
+
+use heliotile_requests::Request;
 
 use serde::{Deserialize, Serialize};
 

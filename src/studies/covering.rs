@@ -1,8 +1,6 @@
 //! Covers a scene's surfaces with receivers. In: a scene with its objects, a request. Out:
 //! receivers by surface, buried ones included, and a table of the receivers.
 
-use heliotile_core::units::parse_metres;
-use heliotile_requests::Request;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::RangeInclusive;
 use std::path::Path;
@@ -22,6 +20,8 @@ use heliotile_core::site::patch::Patch;
 use heliotile_core::site::scene_object::ObjectNote;
 use heliotile_core::site::semantics::{SourceFace, SurfaceKind};
 use heliotile_core::text::{Message, counted, message, with_list};
+use heliotile_core::units::parse_metres;
+use heliotile_requests::Request;
 use heliotile_results::outputs::receivers::{ReceiverRow, ReceiverTable};
 use heliotile_scene::Scene;
 use heliotile_scene::covering::cover::{MAX_POINTS, Piece, cover};

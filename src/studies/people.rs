@@ -1,8 +1,6 @@
 //! Points where people stand. In: a scene, a table of points or surfaces to stand on. Out: six
 //! receivers a point, and the archive of the scene with them.
 
-use heliotile_core::units::parse_metres;
-use heliotile_requests::Request;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -23,6 +21,8 @@ use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::site::north::North;
 use heliotile_core::site::patch::Patch;
 use heliotile_core::text::counted;
+use heliotile_core::units::parse_metres;
+use heliotile_requests::Request;
 use heliotile_results::ComfortRequest;
 use heliotile_results::outputs::receivers::{ReceiverRow, ReceiverTable};
 use heliotile_results::resources::Resources;

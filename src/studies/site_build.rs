@@ -3,7 +3,6 @@
 //! serves if a build would give the same; files of other inputs are kept, unless they may be
 //! replaced.
 
-use heliotile_core::text::{Message, message};
 use std::fs::{self, File};
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
@@ -22,6 +21,7 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::observer::Observer;
 use heliotile_core::site::receiver::Receiver;
+use heliotile_core::text::{Message, message};
 use heliotile_files::writing::copy::folder_of;
 use heliotile_files::writing::guards::{check_archive_name, guard_archive};
 use heliotile_remote::naming::{is_address, shown};

@@ -5,11 +5,11 @@
 //! interval show as a smaller residual at a shifted sun. Nothing is shifted silently: the reader
 //! warns.
 
-use heliotile_core::text::{Message, message};
 use std::ops::RangeInclusive;
 
 use rayon::prelude::*;
 
+use heliotile_core::text::{Message, message};
 use heliotile_core::weather::row::WeatherRow;
 use heliotile_core::weather::time::sun::Location;
 

@@ -4,10 +4,10 @@
 //! Only dates of results change. The suns of a row stay those of the date in the file, under which
 //! its irradiances were measured.
 
-use heliotile_core::text::{Message, message};
 use std::path::Path;
 
 use heliotile_core::error::{Error, Result};
+use heliotile_core::text::{Message, message};
 use heliotile_core::weather::span::Span;
 use heliotile_core::weather::time::calendar::Date;
 use heliotile_core::weather::time::sun::Interval;

@@ -1,7 +1,6 @@
 //! Temperatures of the surfaces that receivers see. In: temperatures from the user, the air of a
 //! weather file. Out: the emission of sky, ground and obstructions in each chosen row.
 
-use heliotile_core::text::message;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -9,6 +8,7 @@ use crate::series::Weather;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::schedule_csv::{Column, ReadFile, Rows, parse_schedule};
 use heliotile_core::site::material::Class;
+use heliotile_core::text::message;
 use heliotile_core::weather::emission::{Emission, black_body_w_m2};
 
 /// Column of a schedule, with the range of its temperatures. No surface on Earth is colder, and a

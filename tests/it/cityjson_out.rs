@@ -201,8 +201,8 @@ fn a_sequence_comes_back() {
     assert_eq!(themes, 3);
 }
 
-/// A file that is no model of this archive is refused, and so is an output that does not fit: 10
-/// of 10. For a model that holds some of the objects, a warning says so.
+/// A file that is no model of this archive is refused, and so is an output that does not fit: 11
+/// of 11. For a model that holds some of the objects, a warning says so.
 #[test]
 fn models_of_other_archives_are_refused() {
     let folder = site("hague.city.json", "");
@@ -242,6 +242,9 @@ fn models_of_other_archives_are_refused() {
     }
     let hourly = replay.replace("total", "hour");
     folder.refused(&format!("{hourly} --model {hague} -o o.city.json"), &["--every month, year or total"]);
+    let noon = "replay site.helio --sun 200,40 --dni 700";
+    folder.refused(&format!("{noon} --model {hague} -o o.city.json"), &["--model", "sums over weather"]);
+    assert!(!folder.path("o.city.json").exists());
     let written = folder.run(&format!("{replay} --model some.city.json -o o.city.json"));
     assert_eq!(written.status.code(), Some(0), "{}", stderr(&written));
     assert!(stderr(&written).contains("sums of the others are not written"), "{}", stderr(&written));

@@ -89,8 +89,8 @@ fn hours_are_those_of_the_table() {
     assert!(text("provenance.json").contains("heliotile.archive_root"));
 }
 
-/// Grids by kind are 2 or more. A folder that is not empty, sums, other columns and an output
-/// besides are refused, and no file is left: 4 of 4.
+/// Grids by kind are 2 or more. A folder that is not empty, sums, other columns, an output besides
+/// and a sun without weather are refused, and no file is left: 5 of 5.
 #[test]
 fn wrong_honeybee_requests_leave_no_file() {
     let folder = rooms();
@@ -108,4 +108,6 @@ fn wrong_honeybee_requests_leave_no_file() {
         folder.refused(&format!("{replay} {rest}"), parts);
         assert!(!folder.path("new").exists() && !folder.path("new.partial").exists(), "{rest}");
     }
+    folder.refused("replay site.helio --sun 200,40 --dni 700 --honeybee new", &["--honeybee", "give --weather"]);
+    assert!(!folder.path("new").exists() && !folder.path("new.partial").exists());
 }

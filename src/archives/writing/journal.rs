@@ -247,7 +247,7 @@ impl Found {
         if self.header.program != ours.program {
             what += &format!(" (it was written by {}, this is {})", text(&self.header.program), text(&ours.program));
         }
-        Err(Error::Incomplete { partial: partial.to_path_buf(), what: what.into(), hint: REMOVE.to_string().into() })
+        Err(Error::Incomplete { partial: partial.to_path_buf(), what: what.into(), hint: REMOVE.into() })
     }
 
     /// Returns the journal without its invalid end. The valid bytes are written again in place,

@@ -374,7 +374,7 @@ fn check_own(partial: &Handle) -> Result<()> {
 /// Returns the error for a build that would overwrite an interrupted one.
 fn lies_there(partial: &Path, done: Progress) -> Error {
     let what = format!("is an interrupted build of which {} blocks, {} bytes are done", done.blocks, done.bytes);
-    Error::Incomplete { partial: partial.to_path_buf(), what: what.into(), hint: journal::REMOVE.to_string().into() }
+    Error::Incomplete { partial: partial.to_path_buf(), what: what.into(), hint: journal::REMOVE.into() }
 }
 
 impl Drop for Writer {

@@ -5,7 +5,6 @@
 mod layers;
 mod sun_position;
 
-use heliotile_requests::Request;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -17,6 +16,7 @@ use heliotile_core::opened::OpenSite;
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::options::WeatherOptions;
 use heliotile_files::writing::guards::guard_output;
+use heliotile_requests::Request;
 use heliotile_results::outputs::sink::Sink;
 use heliotile_results::outputs::tables::format::files_of;
 use heliotile_results::outputs::view_factors::ViewFactorTable;

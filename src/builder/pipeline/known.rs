@@ -1,4 +1,4 @@
-//! Layers that earlier builds of the same scene with the same settings traced. In: their archives,
+//! Layers that an earlier build of the same scene with the same settings traced. In: its archive,
 //! complete or damaged. Out: layers of receivers and cells, so that nothing is traced twice. Every
 //! block is checked before it is used. Damaged blocks count as absent: their errors are ignored on
 //! purpose.
@@ -30,10 +30,10 @@ pub(super) struct KnownReceiver {
     pub extras: ReceiverExtras,
 }
 
-/// Archives to look layers up in.
+/// The archive to look layers up in, if there is one.
 #[derive(Default)]
 pub(super) struct Known<'a> {
-    earlier: Vec<Earlier<'a>>,
+    earlier: Option<Earlier<'a>>,
 }
 
 /// One archive to look layers up in.
@@ -48,9 +48,9 @@ pub(super) struct Earlier<'a> {
 }
 
 impl<'a> Known<'a> {
-    /// Opens archives, which must all be of the scene of `scene` and have the same settings. A
-    /// damaged table, block or archive is skipped, and its contents are traced again.
-    pub fn new(archives: &'a [Archive], scene: &SiteFacts) -> Self {
+    /// Opens an archive, which must be of the scene of `scene` and have the same settings. What is
+    /// damaged is skipped, and traced again.
+    pub fn new(archive: Option<&'a Archive>, scene: &SiteFacts) -> Self {
         let earlier = |archive: &'a Archive| {
             // Without the table of mirrors, layers of views in mirrors are missing, too, and would
             // count as empty.
@@ -65,26 +65,22 @@ impl<'a> Known<'a> {
                     .ok()?;
             Some(Earlier::open(OpenSite::over(archive, Arc::new(facts))))
         };
-        Known { earlier: archives.iter().filter_map(earlier).collect() }
+        Known { earlier: archive.and_then(earlier) }
     }
 
     /// Returns the known layers of the receivers of a tile, in their order.
     pub fn receivers(&self, tile: &[Receiver]) -> Vec<Option<KnownReceiver>> {
         let mut found: Vec<Option<KnownReceiver>> = tile.iter().map(|_| None).collect();
-        self.earlier.iter().for_each(|earlier| earlier.fill(tile, &mut found));
+        if let Some(earlier) = &self.earlier {
+            earlier.fill(tile, &mut found);
+        }
         found
     }
 
     /// Returns the known cells of some keys, sorted by key.
     pub fn cells(&self, kind: CellKind, keys: &[CellKey]) -> Vec<Cell> {
-        let mut found: Vec<Cell> = Vec::new();
-        let mut missing = keys.to_vec();
-        for source in self.earlier.iter().filter_map(|earlier| earlier.source(kind)) {
-            found.extend(whole_cells(source, &missing));
-            found.sort_unstable_by_key(|cell| cell.key);
-            missing.retain(|key| found.binary_search_by_key(key, |cell| cell.key).is_err());
-        }
-        found
+        let source = self.earlier.as_ref().and_then(|earlier| earlier.source(kind));
+        source.map_or(Vec::new(), |source| whole_cells(source, keys))
     }
 }
 

@@ -21,7 +21,6 @@ mod site_tracer;
 mod tiles;
 mod unaltered;
 
-use heliotile_core::text::{Message, message};
 use std::cell::OnceCell;
 use std::path::Path;
 use std::sync::atomic::Ordering;
@@ -42,6 +41,7 @@ use heliotile_core::memory::Use;
 use heliotile_core::observer::Observer;
 use heliotile_core::opened::SiteFacts;
 use heliotile_core::site::receiver::Receiver;
+use heliotile_core::text::{Message, message};
 use heliotile_scene::Scene;
 use heliotile_scene::placing::plausible::far_receivers;
 use heliotile_scene::points::receivers::{ReceiverCsv, ReceiverRows};
@@ -105,8 +105,8 @@ pub fn sort_receivers(
 /// Finished archives from which a build copies layers.
 #[derive(Clone, Copy, Default)]
 pub struct ReusedArchives<'a> {
-    /// Archives of the same scene with the same settings.
-    pub earlier: &'a [Archive],
+    /// Archive of the same scene with the same settings, complete or damaged.
+    pub earlier: Option<&'a Archive>,
     /// Archive of the scene before it was changed.
     pub before: Option<&'a Archive>,
 }

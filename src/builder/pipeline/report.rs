@@ -1,10 +1,10 @@
 //! Report of a build. In: counts and times. Out: a report for people and tables.
 
-use heliotile_core::text::Message;
 use std::time::Instant;
 
 use super::manifest::BuildCounts;
 use heliotile_core::archive::preview::Preview;
+use heliotile_core::text::Message;
 
 /// Report of a build.
 #[derive(Clone, Debug)]

@@ -1,7 +1,6 @@
 //! Request of a user for a build. In: the accuracy wanted, light paths, weather. Out: a plan, an
 //! archive, and reports of both to an observer.
 
-use heliotile_requests::Request;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
@@ -16,6 +15,7 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::units::parse_percent;
 use heliotile_core::weather::options::WeatherOptions;
 use heliotile_files::writing::claim::same_place;
+use heliotile_requests::Request;
 
 /// Accuracy that a user wants of a build.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, Request)]
@@ -168,7 +168,7 @@ impl Build<'_> {
         let (with_scene, preview_percent) = (request.with_scene, request.preview_percent);
         let plan = &Plan { with_scene, preview_percent, ..planned.plan.clone() };
         let scene = self.scene.scene;
-        let sources = ReusedArchives { earlier: &[], before: request.from };
+        let sources = ReusedArchives { earlier: None, before: request.from };
         let report = self.write(plan, output, &sources)?;
         report.warnings.iter().for_each(|warning| observer.warn(warning));
         observer.report(tables::summary(&report, scene, &output.path));

@@ -1,13 +1,13 @@
 //! Kind of a file, from its first bytes and, where these do not tell, from its name. In: a file.
 //! Out: a kind that is certain, or none: then its reader decides.
 
-use heliotile_core::text::{Message, message};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
 use heliotile_core::archive::format;
 use heliotile_core::error::{Error, Result};
+use heliotile_core::text::{Message, message};
 use heliotile_requests::InputKind;
 use heliotile_scene::format_of_name;
 

@@ -6,10 +6,10 @@ mod kind;
 #[cfg(test)]
 mod pairs_tests;
 
-use heliotile_core::text::message;
 use std::path::Path;
 
 use heliotile_core::error::{Error, Result};
+use heliotile_core::text::message;
 use heliotile_files::input;
 use heliotile_files::writing::claim::{ClaimedOutput, OutputGuard};
 use heliotile_files::writing::copy::folder_of;

@@ -6,9 +6,9 @@ use std::fmt;
 use std::str::FromStr;
 
 use glam::DVec3;
+use heliotile_requests::{Problem, Wrong};
 use serde::{Deserialize, Serialize};
 
-use crate::error::Error;
 use crate::sky::distribution::Distribution;
 use crate::sky::{perez, perez1990};
 use crate::weather::conditions::Condition;
@@ -169,26 +169,29 @@ impl From<SkyModel> for String {
 }
 
 impl TryFrom<String> for SkyModel {
-    type Error = Error;
+    type Error = Wrong;
 
-    fn try_from(text: String) -> Result<Self, Error> {
+    fn try_from(text: String) -> Result<Self, Wrong> {
         text.parse()
     }
 }
 
 impl FromStr for SkyModel {
-    type Err = Error;
+    type Err = Wrong;
 
-    fn from_str(text: &str) -> Result<Self, Error> {
+    fn from_str(text: &str) -> Result<Self, Wrong> {
         let cie = || {
             let number = text.strip_prefix("cie:")?.parse().ok()?;
             CieType::new(number).map(SkyModel::Cie)
         };
         let named = SkyModel::NAMED.iter().find(|(name, ..)| *name == text).map(|(.., sky)| *sky);
-        named.or_else(cie).ok_or_else(|| Error::Unsupported {
-            what: "sky model".into(),
-            found: format!("`{text}`"),
-            supported: SkyModel::names().into(),
+        named.or_else(cie).ok_or_else(|| Wrong {
+            problem: Problem::Unknown {
+                found: text.to_owned(),
+                known: SkyModel::all().map(|sky| sky.to_string()).collect(),
+            },
+            what: format!("`{text}` is not a sky model"),
+            hint: format!("give one of {}", SkyModel::names()),
         })
     }
 }

@@ -6,9 +6,6 @@ mod pages;
 mod runs;
 mod stripped;
 
-use heliotile_core::units::parse_metres;
-use heliotile_requests::Request;
-use heliotile_scene::placing::frame::parse_crs;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
@@ -28,11 +25,14 @@ use heliotile_core::light::paths::LightPaths;
 use heliotile_core::named::{NamedValues, name_of};
 use heliotile_core::replay::factors::SunGrid;
 use heliotile_core::text::{Message, counted};
+use heliotile_core::units::parse_metres;
 use heliotile_files::input;
 use heliotile_files::writing::guards::{guard_archive, guard_output};
+use heliotile_requests::Request;
 use heliotile_results::Resources;
 use heliotile_results::outputs::sink::{write_file, write_texts};
 use heliotile_scene::Scene;
+use heliotile_scene::placing::frame::parse_crs;
 use heliotile_scene::request::SceneRequest;
 use heliotile_scene::site::SceneFiles;
 use heliotile_studies::covering::cover_site;

@@ -1,7 +1,6 @@
 //! Light of surfaces step by step. In: an archive, steps. Out: means over each surface of some
 //! components of light.
 
-use heliotile_results::SkyChoice;
 use std::collections::BTreeMap;
 
 use super::steps::Steps;
@@ -10,6 +9,7 @@ use heliotile_core::error::Result;
 use heliotile_core::light::paths::LightPaths;
 use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::sky::model::SkyModel;
+use heliotile_results::SkyChoice;
 use heliotile_results::{LightChoice, ReceiverSet, Resources, Series, TileStream};
 
 /// Components of reflected light, summed to one result.

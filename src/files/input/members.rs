@@ -2,12 +2,12 @@
 //! or those of each file of a zip, sorted by name, that has the first of the endings found in the
 //! zip.
 
-use heliotile_core::text::Message;
 use std::fs::File;
 use std::io::{BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
 
 use heliotile_core::error::{Error, Result};
+use heliotile_core::text::Message;
 use zip::{CompressionMethod, ZipArchive};
 
 use super::gzip::Bounded;

@@ -1,7 +1,6 @@
 //! Long work beside Python. In: a function. Out: its result. Meanwhile Python's other threads run
 //! and `progress` is called. Ctrl-C or an exception of `progress` stops the work at its next check.
 
-use heliotile::text::Message;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread;
@@ -11,6 +10,7 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
 use crate::errors::{raised, worded_text};
+use heliotile::text::Message;
 use heliotile::{Observer, Result, Tone};
 
 /// Interval at which signals and progress are checked.

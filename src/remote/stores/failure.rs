@@ -2,10 +2,10 @@
 //! without the address, which may hold a signature, and without the text of the answer, which may
 //! hold more.
 
-use heliotile_core::text::Message;
 use std::error::Error as _;
 
 use heliotile_core::error::Error;
+use heliotile_core::text::Message;
 
 use crate::stores::address::{Address, Scheme};
 

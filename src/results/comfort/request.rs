@@ -1,7 +1,6 @@
 //! Request for the thermal comfort of people. In: the choices of a user. Out: these choices as one
 //! value that was checked.
 
-use heliotile_requests::Request;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -20,6 +19,7 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::named::NamedValues;
 use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::site::material::{Class, Material, rounded};
+use heliotile_requests::Request;
 
 /// Allowed heat transfer coefficients of surfaces, W/m2K.
 const FILMS_W_M2_K: [f64; 2] = [MIN_FILM_W_M2_K, 200.0];

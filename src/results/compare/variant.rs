@@ -1,7 +1,6 @@
 //! One archive after a change. In: its receivers, those before. Out: the matched receivers, and
 //! their values in the order of the receivers before.
 
-use heliotile_core::text::message;
 use std::iter::Peekable;
 use std::path::Path;
 
@@ -16,6 +15,7 @@ use heliotile_core::opened::{ReceiverMatching, ReceiverPlace};
 use heliotile_core::replay::components::ComponentList;
 use heliotile_core::replay::values::TileValues;
 use heliotile_core::site::receiver::Receiver;
+use heliotile_core::text::message;
 use heliotile_files::spill::{Sorted, Sorter, damaged};
 
 /// Memory of a receiver during matching, bytes, without its name.

@@ -1,7 +1,6 @@
 //! Charts of results. In: names of files, a stream. Out: the kind of picture of each file, and
 //! charts of the mean over receivers. Maps are drawn by [`super::map`].
 
-use heliotile_core::text::message;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -20,6 +19,7 @@ use crate::stream::{Tile, TileSink, TileStream};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::{ComponentList, ComponentSet};
 use heliotile_core::site::receiver::Receiver;
+use heliotile_core::text::message;
 use heliotile_files::writing::claim::same_place;
 use heliotile_files::writing::guards::guard_output;
 

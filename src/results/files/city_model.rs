@@ -29,7 +29,11 @@ pub fn check(request: &FileRequest, every: Option<Every>, model: &Path) -> Resul
         let what = message!("`{}` does not have the format of {{model}}", output.display());
         return Err(Error::argument("output", what, format!("give a name that ends with {ending}")));
     }
-    if matches!(every, Some(Every::Hour | Every::Day)) {
+    let Some(every) = every else {
+        let what = "a city model holds sums over weather, not the light of suns and skies by themselves";
+        return Err(Error::argument("model", what, "give {weather}, or write a map"));
+    };
+    if matches!(every, Every::Hour | Every::Day) {
         let hint = "give {every} month, year or total";
         return Err(Error::argument(
             "every",

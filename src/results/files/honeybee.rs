@@ -18,7 +18,11 @@ const COMPONENTS: [Component; 2] = [Component::Total, Component::SunDirect];
 
 /// Refuses requests that such a folder cannot hold.
 pub fn check(columns: Option<&ComponentList>, every: Option<Every>, folder: &Path) -> Result<()> {
-    if every != Some(Every::Hour) {
+    let Some(every) = every else {
+        let what = "a folder of Honeybee results holds hours of weather, not suns and skies by themselves";
+        return Err(Error::argument("honeybee", what, "give {weather}"));
+    };
+    if every != Every::Hour {
         let hint = "leave {every} out: Honeybee makes sums from the hours";
         return Err(Error::argument("every", "a folder of Honeybee results holds hours only", hint));
     }

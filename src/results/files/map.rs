@@ -1,7 +1,6 @@
 //! Maps of results. In: a stream, groups of its receivers. Out: a map that waits for values. A map
 //! that cannot be drawn is refused before anything is computed.
 
-use heliotile_core::text::message;
 use std::path::Path;
 
 use glam::DVec3;
@@ -19,6 +18,7 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::Use;
 use heliotile_core::observer::Observer;
 use heliotile_core::opened::OpenSite;
+use heliotile_core::text::message;
 
 /// Number of polygons beyond which most programs read GeoJSON slowly.
 const MANY_POLYGONS: u64 = 10_000;

@@ -7,8 +7,6 @@ mod honeybee;
 mod map;
 mod results;
 
-use heliotile_core::text::{Message, message};
-use heliotile_requests::Request;
 use std::path::{Path, PathBuf};
 
 use super::archives::Archives;
@@ -21,7 +19,9 @@ use crate::outputs::tables::format::{files_of, table_help};
 use crate::outputs::tables::layout::By;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::ComponentList;
+use heliotile_core::text::{Message, message};
 use heliotile_files::writing::guards::guard_output;
+use heliotile_requests::Request;
 
 pub use charts::AreaChart;
 pub use city_model::CityModelSink;

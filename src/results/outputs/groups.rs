@@ -3,7 +3,6 @@
 //! of their names. Sums are f64 and are added in the archive's order, whatever the number of
 //! threads.
 
-use heliotile_core::text::message;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -17,6 +16,7 @@ use heliotile_core::replay::components::Component;
 use heliotile_core::replay::values::TileValues;
 use heliotile_core::site::north::North;
 use heliotile_core::site::receiver::Receiver;
+use heliotile_core::text::message;
 
 /// Number of groups that become one tile of a table.
 const GROUPS_AT_ONCE: usize = 64;

@@ -1,10 +1,10 @@
 //! Periods that hourly results are summed over. In: the moment of each condition. Out: the period
 //! that it belongs to.
 
-use heliotile_core::named::NamedValues;
 use std::collections::HashMap;
 
 use crate::outputs::tables::bin_labels::{BinLabels, Precision};
+use heliotile_core::named::NamedValues;
 use heliotile_core::units::kwh_from_w;
 use heliotile_core::weather::conditions::Stamp;
 use heliotile_core::weather::options::StampedAt;

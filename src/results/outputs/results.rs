@@ -1,7 +1,6 @@
 //! Results as a table or a map, by the ending of the file name. In: values of places. Out: a file,
 //! complete or not there.
 
-use heliotile_core::text::message;
 use std::path::Path;
 
 use crate::outputs::groups::Extent;
@@ -10,6 +9,7 @@ use crate::outputs::result_table::ResultTable;
 use crate::outputs::shapes::writer::{MapFormat, MapStats, MapWriter};
 use crate::outputs::tables::format::Format;
 use heliotile_core::error::{Error, Result};
+use heliotile_core::text::message;
 
 /// File format of results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

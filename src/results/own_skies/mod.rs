@@ -5,9 +5,6 @@
 mod hdr;
 mod images;
 
-use heliotile_core::text::{Message, message};
-use heliotile_core::units::parse_positive;
-use heliotile_requests::Request;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -15,7 +12,10 @@ use super::resources::Resources;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::sky::own_skies::{CloudLayer, OwnSky, SkyBalance, SkyScale, no_parts};
+use heliotile_core::text::{Message, message};
+use heliotile_core::units::parse_positive;
 use heliotile_core::weather::conditions::Condition;
+use heliotile_requests::{Request, Wrong};
 use heliotile_weather::skies::{PatchFile, PatchQuantity, PatchRows, parse_patch_file};
 
 use images::{Levels, is_picture, read_image};
@@ -51,13 +51,13 @@ impl SkyChoice {
 }
 
 impl FromStr for SkyChoice {
-    type Err = Error;
+    type Err = Wrong;
 
-    fn from_str(text: &str) -> Result<Self> {
+    fn from_str(text: &str) -> std::result::Result<Self, Wrong> {
         match text.parse() {
             Ok(model) => Ok(SkyChoice::Model(model)),
             Err(_) if text.contains(['.', '/', '\\']) => Ok(SkyChoice::File(text.into())),
-            Err(error) => Err(error),
+            Err(wrong) => Err(wrong),
         }
     }
 }
@@ -280,8 +280,8 @@ impl heliotile_requests::Parse for SkyChoice {
         heliotile_requests::Form::TEXT
     }
 
-    fn parse(text: &str) -> std::result::Result<Self, heliotile_requests::Wrong> {
-        text.parse().map_err(|error: Error| error.to_string().into())
+    fn parse(text: &str) -> std::result::Result<Self, Wrong> {
+        text.parse()
     }
 
     fn path(&self) -> Option<&Path> {

@@ -5,8 +5,6 @@
 //! parts. The parts are cut again until each has one point. Cuts are exact: the areas add up to the
 //! surface. If the density is a spacing, no piece spans a neck between two parts of the surface.
 
-use heliotile_core::units::parse_metres;
-use heliotile_requests::{Group, Request, Role, Row};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -15,6 +13,8 @@ use glam::{DVec2, DVec3};
 use crate::covering::necks::{Neck, Span, narrowest};
 use crate::covering::surfaces::{Surface, area_vector};
 use heliotile_core::site::semantics::SurfaceKind;
+use heliotile_core::units::parse_metres;
+use heliotile_requests::{Group, Request, Role, Row};
 
 /// Density of points on a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]

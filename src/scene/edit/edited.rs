@@ -1,7 +1,6 @@
 //! A scene while it is edited. In: a scene as an archive holds it, one edit after the other. Out:
 //! its triangles in input coordinates, and the fate of each object.
 
-use heliotile_core::text::message;
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -17,6 +16,7 @@ use crate::mesh_objects::MeshObjects;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::material::Material;
 use heliotile_core::site::scene_object::SceneObject;
+use heliotile_core::text::message;
 
 /// Fate of an object in an edited scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

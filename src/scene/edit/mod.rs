@@ -9,7 +9,6 @@ heliotile_requests::parse_by_text!(ObjectMove: Form::TEXT, ObjectHeight: Form::T
 #[cfg(test)]
 mod tests;
 
-use heliotile_requests::{Form, Request};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::path::Path;
@@ -21,6 +20,7 @@ use serde::{Deserialize, Serialize};
 use crate::change::TracedScene;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::material::Material;
+use heliotile_requests::{Form, Request};
 use names::ObjectNames;
 
 pub use edited::{EditedScene, Fate};

@@ -1,12 +1,12 @@
 //! In: the numbers of a GeoTIFF's GeoKeyDirectory (tag 34735, OGC 19-008r4 section 7.1). Out: the
 //! coordinate system and the units that it states.
 
-use heliotile_core::text::{Message, message};
 use std::path::Path;
 
 use crate::formats::projections::{Projection, half_axis_of};
 use crate::terrain::raster::{Meaning, degrees, geocentric};
 use heliotile_core::error::Result;
+use heliotile_core::text::{Message, message};
 use heliotile_place::epsg_numbers::{Axes, FOOT_M, US_FOOT_M, axes_of, height_unit_m};
 use heliotile_place::reference::Reference;
 

@@ -4,7 +4,6 @@
 //! The crate `tiff` decodes samples, one strip or tile at a time. The size that the file claims is
 //! checked before.
 
-use heliotile_core::text::Message;
 use std::io;
 use std::io::{Cursor, Read, Seek, SeekFrom};
 use std::path::Path;
@@ -22,6 +21,7 @@ use crate::formats::tiff_directory::{Patch, Patches};
 use crate::terrain::raster::{Grid, Meaning, Raster, check_size};
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
+use heliotile_core::text::Message;
 
 /// Most bytes that a strip or tile may unpack to, and most that the crate may allocate at once.
 const MAX_CHUNK: usize = 1 << 28;

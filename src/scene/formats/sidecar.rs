@@ -1,7 +1,6 @@
 //! Small files beside a raster. In: the path of the raster. Out: the position of its cells from its
 //! world file, its coordinate system from its `.prj`, and notes on its band from its `.aux.xml`.
 
-use heliotile_core::text::{Message, message};
 use std::path::{Path, PathBuf};
 
 use glam::DVec2;
@@ -11,6 +10,7 @@ use crate::formats::wkt::TextSystem;
 use crate::terrain::raster::{Meaning, degrees, geocentric};
 use crate::text::{excerpt, utf8};
 use heliotile_core::error::{Error, Result};
+use heliotile_core::text::{Message, message};
 use heliotile_files::input;
 use heliotile_place::epsg_numbers::Axes;
 

@@ -6,7 +6,6 @@
 //! SLC/StereoLithography Interface Specification, 1989; M. Burns, Automated Fabrication, 1993,
 //! section 6.5.
 
-use heliotile_core::text::Message;
 use std::path::Path;
 
 use glam::DVec3;
@@ -17,6 +16,7 @@ use crate::formats::stem;
 use crate::geometry::Geometry;
 use crate::text::{Lines, Words, excerpt, keyword_and_rest, number, without_byte_order_mark};
 use heliotile_core::error::{Error, Result};
+use heliotile_core::text::Message;
 
 /// Bytes before the first triangle of a binary file: a comment and the number of triangles.
 const HEAD: usize = 84;

@@ -1,8 +1,9 @@
 //! The plane of a scene without ground. In: the scene's triangles with their objects. Out: the
 //! plane's height, and a warning for the user.
 
-use heliotile_core::text::{Message, message};
 use std::collections::BTreeMap;
+
+use heliotile_core::text::{Message, message};
 
 use glam::{DVec2, DVec3};
 

@@ -1,12 +1,12 @@
 //! Selection of materials. In: a table of materials and the names in use. Out: one checked material
 //! for each name.
 
-use heliotile_core::text::message;
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use heliotile_core::site::material::{Class, Material};
 use heliotile_core::site::receiver::MAX_NAME_BYTES;
+use heliotile_core::text::message;
 
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};

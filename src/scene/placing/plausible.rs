@@ -6,7 +6,6 @@
 //! factors of 39 (inches) to 1000 (millimetres) or 100,000 (degrees); wrong systems are hundreds of
 //! kilometres.
 
-use heliotile_core::text::{Message, message};
 use std::path::Path;
 
 use glam::{DVec2, DVec3};
@@ -17,6 +16,7 @@ use crate::placing::extent::Extent;
 use crate::{LoadReport, Scene};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::receiver::Receiver;
+use heliotile_core::text::{Message, message};
 use heliotile_place::reference::Reference;
 
 /// Median height of walls, by area, that no city reaches, metres: storeys are 3 m, faces of towers

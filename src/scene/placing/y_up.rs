@@ -5,8 +5,9 @@
 //! look to all sides. So the sloping faces of a model with y up look towards y together, and
 //! towards z as much as against it.
 
-use heliotile_core::text::{Message, message};
 use std::path::Path;
+
+use heliotile_core::text::{Message, message};
 
 use glam::DVec3;
 

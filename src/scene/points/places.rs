@@ -1,7 +1,6 @@
 //! Points where modules or people may be. In: a table of points. Out: checked points, each with the
 //! line that it comes from.
 
-use heliotile_core::text::Message;
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -9,6 +8,7 @@ use super::header::{Header, Names, advance_to_header};
 use super::rows::PointColumns;
 pub use super::rows::{Facing, PointDefaults, PointHeight};
 use heliotile_core::error::{Error, Result};
+use heliotile_core::text::Message;
 use heliotile_files::csv_rows::CsvRows;
 
 const NAMES: [Names; 2] = [&["point"], &["receiver"]];

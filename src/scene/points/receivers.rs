@@ -1,6 +1,5 @@
 //! Receivers from a file. In: `receivers.csv`. Out: checked receivers, in the order of the rows.
 
-use heliotile_core::text::Message;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::path::Path;
@@ -15,6 +14,7 @@ use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::site::north::North;
 use heliotile_core::site::patch::PATCH;
 use heliotile_core::site::receiver::Receiver;
+use heliotile_core::text::Message;
 use heliotile_files::csv_rows::{CsvRows, cell_error};
 
 const NAMES: [Names; 2] = [&["receiver"], &["point"]];

@@ -2,7 +2,6 @@
 //! read, and its companions, not yet read. Out: the city in its place, and terrain where the raster
 //! of the ground goes on beyond it.
 
-use heliotile_core::text::Message;
 use std::path::Path;
 
 use glam::{DVec2, DVec3};
@@ -17,6 +16,7 @@ use crate::surface_city::{City, city};
 use crate::surface_rasters::SurfaceRasters;
 use crate::terrain::raster::{Grid, Raster};
 use heliotile_core::error::{Error, Result};
+use heliotile_core::text::Message;
 use heliotile_place::reference::Reference;
 
 /// Depth of terrain below the edge of a city, metres, so that the ground of the city hides it.

@@ -1,7 +1,6 @@
 //! Heights on a grid. In: samples of a file, and its statements on nodata and units. Out: metres,
 //! with NaN for nodata; no other number that is not finite, and none beyond the Earth's heights.
 
-use heliotile_core::text::{Message, message};
 use std::ops::Range;
 use std::path::Path;
 
@@ -11,6 +10,7 @@ use crate::coordinate::is_position;
 use crate::placing::frame::{SiteFrame, UpAxis};
 use crate::site::Part;
 use heliotile_core::error::{Error, Result};
+use heliotile_core::text::{Message, message};
 use heliotile_place::reference::Reference;
 
 /// Most samples of a raster: 1 GB of heights, and as many triangles as a scene may have.

@@ -1,12 +1,12 @@
 //! The scene that an archive was built from. In: an archive, the files of its scene. Out: that
 //! scene with the archive's place, or an error if the files hold another scene.
 
-use heliotile_core::text::Message;
 use std::path::Path;
 
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::observer::Observer;
+use heliotile_core::text::Message;
 use heliotile_scene::Scene;
 use heliotile_scene::placing::frame::SiteFrame;
 use heliotile_scene::request::SceneRequest;

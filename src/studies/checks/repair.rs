@@ -1,7 +1,6 @@
 //! Repairs a damaged archive: good blocks are kept, bad ones are traced again. In: an archive, its
 //! scene. Out: an archive of the same root.
 
-use heliotile_requests::Request;
 use std::path::{Path, PathBuf};
 
 use super::original;
@@ -19,6 +18,7 @@ use heliotile_core::text::counted;
 use heliotile_files::writing::copy::{copy_whole, folder_of};
 use heliotile_files::writing::guards::{check_archive_name, guard_archive};
 use heliotile_remote::places::require_file;
+use heliotile_requests::Request;
 use heliotile_results::resources::Resources;
 use heliotile_scene::Scene;
 use heliotile_scene::request::SceneRequest;
@@ -113,7 +113,7 @@ impl RepairRequest {
         let done = Build { scene, receivers, workspace: &workspace, observer }.write(
             &plan,
             &to,
-            &ReusedArchives { earlier: &[archive], before: None },
+            &ReusedArchives { earlier: Some(&archive), before: None },
         )?;
         if done.root != root {
             let what = "the repaired archive has another root than the original: another release wrote the original, or its receivers were others";

@@ -1,8 +1,6 @@
 //! Light of a weather file on an archive. In: an archive, weather. Out: sums by month and hours of
 //! its receivers, replayed by the engine.
 
-use heliotile_core::text::Message;
-use heliotile_results::own_skies::SkyChoice;
 use std::cell::RefCell;
 use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
@@ -13,6 +11,7 @@ use heliotile_core::error::Result;
 use heliotile_core::observer::{Observer, Silent};
 use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::site::bands::Band;
+use heliotile_core::text::Message;
 use heliotile_core::weather::options::StampedAt;
 use heliotile_core::weather::time::years::Years;
 use heliotile_results::bands::BandList;
@@ -20,6 +19,7 @@ use heliotile_results::outputs::pv::ground::{DayCounts, PAR, PlantLight};
 use heliotile_results::outputs::pv::hourly::SideHours;
 use heliotile_results::outputs::pv::sums::{MonthlySums, PARTS};
 use heliotile_results::outputs::tables::bin_labels::BinLabels;
+use heliotile_results::own_skies::SkyChoice;
 use heliotile_results::{
     Archives, Every, LightChoice, Provenance, ReceiverSet, ReplayRequest, Resources, Series, Tile, TileStream,
 };

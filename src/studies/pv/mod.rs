@@ -12,8 +12,6 @@ mod search;
 mod spots;
 mod summary;
 
-use heliotile_requests::Request;
-use heliotile_results::outputs::tables::format::table_endings;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -31,7 +29,9 @@ use heliotile_core::site::north::North;
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::options::{StampedAt, WeatherOptions};
 use heliotile_files::input::weather::read_weather_as;
+use heliotile_requests::Request;
 use heliotile_results::outputs::provenance::Provenance;
+use heliotile_results::outputs::tables::format::table_endings;
 use heliotile_results::resources::Resources;
 use heliotile_scene::Scene;
 use heliotile_scene::covering::surfaces::Surfaces;

@@ -2,7 +2,6 @@
 //! fans of orientations, with all reflections, first coarse over the allowed range, then fine
 //! around the best. Receivers of one place share what they see. The peak is that of a fit.
 
-use heliotile_core::text::message;
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -25,6 +24,7 @@ use heliotile_core::orientation::best::{OrientationSurface, OrientationValue};
 use heliotile_core::orientation::fan::{Orientation, OrientationLimits, Ring, around};
 use heliotile_core::site::north::North;
 use heliotile_core::site::receiver::Receiver;
+use heliotile_core::text::message;
 use heliotile_results::outputs::pv::search::PointSearch;
 
 /// Step between orientations of the first fan, degrees.

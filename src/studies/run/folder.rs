@@ -2,7 +2,6 @@
 //! results. Out: names, and a refusal if results of another scene, spacing, accuracy or weather
 //! would be lost.
 
-use heliotile_core::text::message;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -12,6 +11,7 @@ use heliotile_core::archive::Archive;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::named::name_of;
 use heliotile_core::observer::Observer;
+use heliotile_core::text::message;
 use heliotile_files::writing::guards::guard_archive;
 use heliotile_results::outputs::periods::Every;
 use heliotile_results::outputs::tables::format::files_of;

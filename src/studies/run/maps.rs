@@ -1,7 +1,6 @@
 //! Maps that a run may write. In: its arguments, the scene. Out: a refusal before any work, and the
 //! city model that gets sums.
 
-use heliotile_core::text::Message;
 use std::path::Path;
 
 use glam::DVec3;
@@ -9,6 +8,7 @@ use glam::DVec3;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::named::NamedValues;
 use heliotile_core::site::place::Place;
+use heliotile_core::text::Message;
 use heliotile_files::input;
 use heliotile_results::outputs::shapes::MapCrs;
 use heliotile_results::outputs::shapes::writer::MapFormat;

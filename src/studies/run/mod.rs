@@ -6,19 +6,19 @@ pub mod made_from;
 mod maps;
 mod results;
 
-use heliotile_builder::planning::parse_negligible;
-use heliotile_requests::{OutputKind, Request, Role};
-use heliotile_results::outputs::tables::format::table_endings;
 use std::path::{Path, PathBuf};
 
 use crate::covering::{CoverRequest, cover_site};
 use crate::site_build::{FolderOption, ReceiverSource, SiteBuild, SiteFolder};
 use crate::sunlight::{SunlightRequest, SunlightSite};
 use folder::RunFiles;
+use heliotile_builder::planning::parse_negligible;
+use heliotile_requests::{OutputKind, Request, Role};
 use heliotile_results::archives::Archives;
 use heliotile_results::files::FileRequest;
 use heliotile_results::outputs::periods::Every;
 use heliotile_results::outputs::provenance::Provenance;
+use heliotile_results::outputs::tables::format::table_endings;
 use heliotile_results::outputs::tables::layout::By;
 use heliotile_results::outputs::viewer_page::ViewerPage;
 use heliotile_results::receivers::ReceiverSet;

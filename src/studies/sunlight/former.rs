@@ -1,7 +1,6 @@
 //! Values of places before a change. In: answers of the site before, places of both sites. Out:
 //! values by the names of places after.
 
-use heliotile_core::text::message;
 use std::collections::HashMap;
 
 use super::measure::RuleValue;
@@ -10,6 +9,7 @@ use super::places::PlaceAnswer;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::Use;
 use heliotile_core::opened::{ReceiverMatching, ReceiverPlace};
+use heliotile_core::text::message;
 use heliotile_results::compare::check_memory;
 use heliotile_results::receivers::ReceiverSet;
 use heliotile_results::resources::Resources;

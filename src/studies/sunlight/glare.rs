@@ -2,7 +2,6 @@
 //! of the scene. Out: a table of spells, panes with the minutes of glare that they cause, a
 //! calendar.
 
-use heliotile_requests::Request;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
@@ -23,6 +22,7 @@ use heliotile_core::text::{counted, message};
 use heliotile_core::units::tilt_and_azimuth;
 use heliotile_core::weather::time::calendar::Date;
 use heliotile_files::writing::guards::guard_output;
+use heliotile_requests::Request;
 use heliotile_results::files::{MapStart, ResultRows, crs_of, name_of, say_large};
 use heliotile_results::outputs::groups::Extent;
 use heliotile_results::outputs::pictures::calendar::{Calendar, CalendarDay, CalendarSpell};

@@ -1,7 +1,6 @@
 //! Request for hours of sun. In: the choices of a user. Out: these choices as one value that was
 //! checked; a plan of days and rules.
 
-use heliotile_requests::Request;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
@@ -20,6 +19,7 @@ use heliotile_core::weather::time::calendar::Date;
 use heliotile_core::weather::time::clock_zone::ClockZone;
 use heliotile_core::weather::time::sun::Location;
 use heliotile_core::weather::time::years::Years;
+use heliotile_requests::Request;
 use heliotile_results::archives::Archives;
 use heliotile_results::files::FileRequest;
 use heliotile_results::outputs::periods::{ClockReading, Every, Periods};

@@ -5,7 +5,6 @@ mod ladder;
 mod report;
 mod sources;
 
-use heliotile_requests::Request;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
@@ -21,6 +20,7 @@ use heliotile_core::observer::Observer;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::weather::options::WeatherOptions;
 use heliotile_files::writing::copy::folder_of;
+use heliotile_requests::Request;
 use heliotile_results::outputs::provenance::Provenance;
 use heliotile_results::resources::Resources;
 use heliotile_scene::Scene;

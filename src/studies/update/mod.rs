@@ -232,7 +232,7 @@ impl UpdateRequest {
         let plan = Plan { preview_percent, ..Plan::of(BuildSettings::of(&manifest.settings)) };
         let output =
             Output { start: if self.fresh { Start::Fresh } else { Start::Resume }, ..Output::new(self.output.clone()) };
-        let sources = ReusedArchives { earlier: &[], before: Some(before) };
+        let sources = ReusedArchives { earlier: None, before: Some(before) };
         let mut build = Build { scene: &prepared, receivers: &mut tiles, workspace: &workspace, observer };
         let report = build.write(&plan, &output, &sources).map_err(|error| error.advise(OTHER_EDITS))?;
         report.warnings.iter().for_each(|warning| observer.warn(warning));

@@ -1,6 +1,5 @@
 //! Checks of a weather file. In: rows from a reader. Out: [`Weather`] without gaps, with warnings.
 
-use heliotile_core::text::{Message, message};
 use std::path::Path;
 
 use rayon::prelude::*;
@@ -14,6 +13,7 @@ use crate::judging::sums::{drop_empty_columns, drop_horizontal_dni, month_warnin
 use crate::judging::zenith::place_by_zenith;
 use crate::series::{Weather, WeatherReport};
 use heliotile_core::error::{Error, Result};
+use heliotile_core::text::{Message, message};
 use heliotile_core::weather::options::{TimeShift, WeatherOptions};
 use heliotile_core::weather::row::WeatherRow;
 use heliotile_core::weather::time::calendar::Date;

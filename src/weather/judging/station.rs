@@ -1,11 +1,11 @@
 //! Place and clock of a weather file. In: the statements of the file and of the user, the place of
 //! the scene. Out: a checked [`Location`].
 
-use heliotile_core::text::message;
 use std::path::Path;
 
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::place::Place;
+use heliotile_core::text::message;
 use heliotile_core::weather::options::WeatherOptions;
 use heliotile_core::weather::time::sun::Location;
 

@@ -33,7 +33,7 @@ pub fn parse(words: &[OsString]) -> (Cli, Provenance) {
 }
 
 /// Names of commands that have moved, and what is typed now.
-const MOVED: [(&str, &str); 16] = [
+const MOVED: [(&str, &str); 18] = [
     ("verify", "heliotile archive verify"),
     ("audit", "heliotile archive audit"),
     ("repair", "heliotile archive repair"),
@@ -50,6 +50,8 @@ const MOVED: [(&str, &str); 16] = [
     ("rules", "heliotile info --rule all"),
     ("completions", "heliotile --completions SHELL"),
     ("man", "heliotile --man FOLDER"),
+    ("store", "heliotile build --from ARCHIVE, which takes from an archive what the scene still has"),
+    ("study", "tools/paper/wall.py, a script of the sources"),
 ];
 
 fn cli_of(matches: &ArgMatches) -> Result<Cli, Error> {

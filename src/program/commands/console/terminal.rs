@@ -2,7 +2,6 @@
 //! and then elsewhere, nothing with `--quiet`; warnings on standard error; Ctrl-C as a request to
 //! stop.
 
-use heliotile::text::Message;
 use std::collections::HashMap;
 use std::fmt::Write;
 use std::io::IsTerminal;
@@ -15,6 +14,7 @@ use super::interrupt::{self, Watch};
 use super::progress_lines::{FIRST_LINE, ProgressLines};
 use super::voice::{aside, is_quiet, note, remark, remark_aside, warn};
 use crate::cli::worded_text;
+use heliotile::text::Message;
 use heliotile::{Observer, Tone};
 
 /// Observer of every command.

@@ -2,7 +2,6 @@
 //! In: rows, tiles of values. Out: the files, in a folder of the same name beside the `.pvd`. The
 //! `.pvd` is written last, so the files it lists are complete.
 
-use heliotile_core::text::message;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -16,6 +15,7 @@ use crate::outputs::tables::bin_labels::BinLabels;
 use crate::outputs::tables::layout::Layout;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::light::scratch::{Scratch, ScratchSpace};
+use heliotile_core::text::message;
 
 /// Largest number of files of a series; `MAX_BYTES` are their largest total bytes. Each file holds
 /// the whole geometry.

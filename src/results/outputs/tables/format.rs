@@ -1,7 +1,6 @@
 //! Formats of tables, in the only list of formats and endings. In: a name. Out: its format, and a
 //! writer of it.
 
-use heliotile_core::text::Message;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -16,6 +15,7 @@ use crate::outputs::tables::npy::NpyTable;
 use crate::outputs::tables::npz::NpzTable;
 use crate::outputs::tables::parquet::ParquetTable;
 use heliotile_core::error::{Error, Result};
+use heliotile_core::text::Message;
 
 /// Writer of a table in one format.
 pub trait FormatWriter {

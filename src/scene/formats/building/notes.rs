@@ -1,9 +1,10 @@
 //! Oddities of a file, by kind. In: a kind and a name for each oddity. Out: one warning for each
 //! kind, with its count and the first name.
 
-use heliotile_core::text::Message;
 use std::collections::BTreeMap;
 use std::path::Path;
+
+use heliotile_core::text::Message;
 
 use crate::text::excerpt;
 

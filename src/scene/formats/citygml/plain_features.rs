@@ -5,7 +5,6 @@
 //! Every property without elements inside is an attribute by its local name; `value` is named after
 //! the property around it (`heightAboveGround` of INSPIRE).
 
-use heliotile_core::text::Message;
 use std::path::Path;
 
 use glam::DVec3;
@@ -21,6 +20,7 @@ use crate::formats::cityjson::templates::MAX_CORNERS;
 use crate::formats::features::{Collector, Feature, FeatureSystem};
 use crate::geometry::Geometry;
 use heliotile_core::error::{Error, Result};
+use heliotile_core::text::Message;
 use heliotile_files::input;
 use heliotile_place::epsg_numbers::Axes;
 use heliotile_place::reference::Reference;

@@ -1,7 +1,6 @@
 //! In: transform and reference system of a CityJSON object. Out: positions in metres, and their
 //! coordinate system.
 
-use heliotile_core::text::Message;
 use std::path::Path;
 
 use glam::DVec3;
@@ -9,6 +8,7 @@ use glam::DVec3;
 use crate::formats::cityjson::document::Document;
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
+use heliotile_core::text::Message;
 use heliotile_place::epsg_numbers::{Axes, axes_of, epsg_numbers_in};
 use heliotile_place::reference::Reference;
 

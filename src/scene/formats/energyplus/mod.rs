@@ -20,7 +20,6 @@ mod surfaces;
 mod tests;
 mod turned;
 
-use heliotile_core::text::Message;
 use std::path::Path;
 
 use crate::formats::Asked;
@@ -29,6 +28,7 @@ use crate::formats::building::standing::{Shades, ground_elevation_m};
 use crate::geometry::Geometry;
 use crate::model_version::doubt;
 use heliotile_core::error::{Error, Result};
+use heliotile_core::text::Message;
 use heliotile_files::input;
 use heliotile_place::reference::Reference;
 use materials::Materials;

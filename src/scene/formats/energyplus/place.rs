@@ -4,7 +4,6 @@
 //! Follows EnergyPlus' `SurfaceGeometry` (`GetVertices`, `MakeRectangularVertices`,
 //! `MakeRelativeRectangularVertices`).
 
-use heliotile_core::text::Message;
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -13,6 +12,7 @@ use glam::{DVec2, DVec3};
 use crate::formats::building::frame::Frame;
 use crate::formats::energyplus::model::{Model, Object, same};
 use heliotile_core::error::Result;
+use heliotile_core::text::Message;
 
 /// Frame to which coordinates are relative.
 #[derive(Clone, Copy, Debug, PartialEq)]

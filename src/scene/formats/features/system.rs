@@ -1,11 +1,11 @@
 //! Coordinate systems of files of features. In: the system that a file states, its coordinates, and
 //! the system of the scene. Out: the conversion of its coordinates to metres, and a sentence on it.
 
-use heliotile_core::text::{Message, message};
 use std::path::Path;
 
 use glam::DVec2;
 use heliotile_core::error::{Error, Result};
+use heliotile_core::text::{Message, message};
 
 use crate::formats::wkt::TextSystem;
 use crate::placing::axis_order::{Degrees, Swap};

@@ -13,7 +13,6 @@ mod materials;
 #[cfg(test)]
 mod tests;
 
-use heliotile_core::text::Message;
 use std::path::Path;
 
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
@@ -27,6 +26,7 @@ use crate::formats::gltf::materials::Materials;
 use crate::geometry::Geometry;
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
+use heliotile_core::text::Message;
 use heliotile_files::input::budget::WorkBudget;
 
 /// Most triangles of all instances together, about 10 GB of memory: a small file may place a large

@@ -5,7 +5,6 @@
 mod report;
 mod texts;
 
-use heliotile_requests::Request;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -23,6 +22,7 @@ use heliotile_core::weather::conditions::Condition;
 use heliotile_core::weather::options::WeatherOptions;
 use heliotile_files::input::weather::read_conditions;
 use heliotile_remote::places::open_archive;
+use heliotile_requests::Request;
 use heliotile_results::resources::Resources;
 use heliotile_scene::request::SceneRequest;
 

@@ -8,7 +8,7 @@ use heliotile_core::replay::components::Component;
 use heliotile_core::replay::reflectances::{self, ConstantOrFile};
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::options::WeatherOptions;
-use heliotile_requests::filled;
+use heliotile_requests::{Wrong, filled};
 use serde::Deserialize;
 
 use crate::weather::LoadedWeather;
@@ -133,5 +133,5 @@ pub fn columns(names: &[String]) -> Result<Vec<Component>> {
 
 /// Returns a sky model by the name that `--sky` takes.
 pub fn sky_of(name: &str) -> Result<SkyModel> {
-    name.parse()
+    name.parse().map_err(|wrong: Wrong| Error::refused(wrong.in_field("sky")))
 }

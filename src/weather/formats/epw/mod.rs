@@ -12,7 +12,6 @@ mod air;
 mod header;
 mod row;
 
-use heliotile_core::text::Message;
 use std::path::Path;
 
 use air::read_air;
@@ -23,6 +22,7 @@ use crate::judging::judged;
 use crate::judging::raw_weather::{RawRow, RawWeather};
 use crate::series::Weather;
 use heliotile_core::error::{Error, Result};
+use heliotile_core::text::Message;
 use heliotile_core::weather::air::Air;
 use heliotile_core::weather::options::{StampedAt, WeatherOptions};
 use heliotile_core::weather::time::calendar::Date;
