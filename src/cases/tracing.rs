@@ -59,10 +59,11 @@ impl Build {
             }
             _ if self.dry_run => Error::argument("receivers", "is not given", "give it too").because(Problem::Missing),
             _ => Error::argument(
-                "build",
-                "the receivers and the archive to write are not given",
-                "give -r RECEIVERS.csv -o SITE.helio",
-            ),
+                "receivers, output",
+                "are not both given",
+                "give a table of receivers, and an archive to write",
+            )
+            .because(Problem::Missing),
         }
     }
 

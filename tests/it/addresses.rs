@@ -10,6 +10,6 @@ fn unusable_addresses_name_a_command_that_fits() {
         "replay s3://b/site.helio --weather s3://b/x.epw",
         &["only archives are read from addresses", "heliotile archive copy"],
     );
-    folder.refused("archive merge a.helio b.helio -o s3://b/c.helio", &["only `copy` writes to addresses"]);
+    folder.refused("archive merge a.helio b.helio -o s3://b/c.helio", &["only `archive copy` writes to addresses"]);
     folder.refused("archive copy a.helio b.helio", &["a.helio"]);
 }

@@ -393,7 +393,7 @@ fn wrong_inputs_and_misplaced_archives_are_refused() {
         (format!("{partition} -o new --set nothing=1"), ["nothing", "to fix"]),
         ("atlas partition nowhere.city.json -o new".into(), ["nowhere.city.json", "No such file"]),
         ("build atlas".into(), ["is an atlas, and the part to build is not given", "--part all"]),
-        (format!("build {model}"), ["receivers and the archive to write", "-r"]),
+        (format!("build {model}"), ["--receivers, --output", "are not both given"]),
         ("build atlas --part 9".into(), ["no part `9`", "0 to 3"]),
         ("build atlas --part x0_y0 -o site.helio".into(), ["--part", "cannot be used with"]),
         ("build atlas --part 0 --quality fine".into(), ["--quality", "cannot be used with"]),

@@ -123,7 +123,7 @@ fn a_template_bomb_ends_at_the_limit() {
     };
     let text = model(&(tree(&inline, 1) + &tree(" xlink:href=\"#t\">", 1399)));
     let message = refused(&text);
-    assert!(message.contains("town.gml: its instances of templates expand to more than 16 MiB"), "{message}");
+    assert!(message.contains("town.gml: its instances of templates expand to more than 512 MiB"), "{message}");
 }
 
 /// A file of 3 kB that is cut after any byte, or has one bit of any byte flipped, is read or

@@ -233,7 +233,7 @@ fn a_template_bomb_ends_at_the_limit() {
     let text = building(&places.replace("\"template\":0", "\"template\":1"));
     let text = text.replacen(r#""CityObjects""#, &format!("{template}\"CityObjects\""), 1);
     let message = read_as(&text, "town.city.json", None).expect_err("too much").to_string();
-    assert!(message.contains("town.city.json: its instances of templates expand to more than 16 MiB"), "{message}");
+    assert!(message.contains("town.city.json: its instances of templates expand to more than 512 MiB"), "{message}");
 }
 
 /// A sequence gives each of 2 features its own vertices and line; empty lines and a byte order mark
