@@ -11,7 +11,7 @@ use heliotile_builder::planning::{BuildDone, EffectsUnder, PlanReport, tables};
 use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::observer::Observer;
 use heliotile_core::text::counted;
-use heliotile_core::weather::options::WeatherOptions;
+use heliotile_results::Resources;
 use heliotile_scene::Scene;
 use heliotile_scene::points::receivers::ReceiverCsv;
 use heliotile_studies::SiteBuild;
@@ -84,9 +84,9 @@ impl Build {
         scene: &Scene,
         receivers: ReceiverCsv,
         output: &Path,
-        observer: &dyn Observer,
+        resources: &Resources,
     ) -> Result<BuildDone> {
-        let weighed_under = weighed_under(self.weather.as_deref(), &self.about_weather, scene, observer)?;
+        let weighed_under = self.weighed_under(scene, resources)?;
         let output = Output {
             path: output.to_owned(),
             start: if self.fresh { Start::Fresh } else { Start::Resume },
@@ -101,23 +101,25 @@ impl Build {
             from: self.from.as_deref(),
             preview_percent: self.preview_percent,
             memory: self.memory,
+            files: resources.files,
             ..SiteBuild::new(scene, receivers, &accuracy)
         };
-        build.build(&output, observer)
+        build.build(&output, resources.observer)
     }
 
     /// Forecasts the build of the scene of this request and of receivers.
-    pub fn forecast(&self, scene: &Scene, receivers: ReceiverCsv, observer: &dyn Observer) -> Result<Planned> {
-        let weighed_under = weighed_under(self.weather.as_deref(), &self.about_weather, scene, observer)?;
+    pub fn forecast(&self, scene: &Scene, receivers: ReceiverCsv, resources: &Resources) -> Result<Planned> {
+        let weighed_under = self.weighed_under(scene, resources)?;
         let accuracy = self.accuracy.beside(self.weather.as_deref(), &self.about_weather);
         let build = SiteBuild {
             share: self.share,
             under: effects_under(weighed_under.as_ref(), self.negligible_percent),
             effects: self.effects,
             memory: self.memory,
+            files: resources.files,
             ..SiteBuild::new(scene, receivers, &accuracy)
         };
-        let (report, receivers) = build.plan(observer)?;
+        let (report, receivers) = build.plan(resources.observer)?;
         let mut text = format!(
             "{}: {} receivers, {} triangles, {}\n{}",
             self.scene.first().display(),
@@ -129,17 +131,13 @@ impl Build {
         report.losses.iter().for_each(|losses| text += &tables::losses(losses));
         Ok(Planned { report, receivers, text })
     }
-}
 
-/// Returns the weather under which effects are weighed, if a file is given.
-fn weighed_under(
-    weather: Option<&Path>,
-    about: &WeatherOptions,
-    scene: &Scene,
-    observer: &dyn Observer,
-) -> Result<Option<ErrorConditions>> {
-    let read = |file| ErrorConditions::read(Some(file), about, scene.place, observer);
-    weather.map(read).transpose()
+    /// Returns the weather under which effects are weighed, if a file is given.
+    fn weighed_under(&self, scene: &Scene, resources: &Resources) -> Result<Option<ErrorConditions>> {
+        let Some(file) = &self.weather else { return Ok(None) };
+        let (about, place) = (&self.about_weather, scene.place);
+        ErrorConditions::read(Some(file), about, place, resources.files, resources.observer).map(Some)
+    }
 }
 
 fn effects_under(weather: Option<&ErrorConditions>, negligible_percent: Option<f64>) -> Option<EffectsUnder<'_>> {

@@ -22,7 +22,7 @@ use heliotile_core::weather::span::{Moment, Span};
 use heliotile_requests::{Form, Parse, Request};
 use heliotile_weather::dated::DatedRows;
 use heliotile_weather::distance::far_apart;
-use heliotile_weather::formats::weather_file::{ScenePlace, parse_weather_as};
+use heliotile_weather::formats::weather_file::ScenePlace;
 use heliotile_weather::series::Weather;
 use heliotile_weather::temperatures::Temperature;
 
@@ -305,9 +305,7 @@ impl ReplayRequest {
     pub fn read_weather(&self, resources: &Resources, place: ScenePlace) -> Result<Weather> {
         let with_air = self.light.is_longwave() || self.light.is_by_humidity();
         let options = WeatherOptions { with_air, ..self.about_weather };
-        let weather = parse_weather_as(&self.weather, &(resources.files)(&self.weather)?, &options, place)?;
-        weather.report.warnings.iter().for_each(|text| resources.observer.warn(text));
-        Ok(weather)
+        resources.weather(&self.weather, &options, place)
     }
 
     /// Returns the rows that count, with the dates of results, and reports what is odd about these

@@ -1,11 +1,17 @@
 //! Resources of a computation: memory, temporary storage, access to files, and the observer.
 
+use std::path::Path;
+
 use heliotile_core::light::scratch::ScratchSpace;
+use heliotile_core::error::Result;
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::observer::{Observer, Silent};
 use heliotile_core::replay::schedule_csv::ReadFile;
+use heliotile_core::weather::options::WeatherOptions;
 use heliotile_files::input;
 use heliotile_files::spill::SystemTemp;
+use heliotile_weather::formats::weather_file::{ScenePlace, parse_weather_as};
+use heliotile_weather::series::Weather;
 
 /// Memory, temporary storage, access to files, and the observer of a computation.
 #[derive(Clone, Copy)]
@@ -29,6 +35,14 @@ impl Resources<'static> {
 }
 
 impl<'a> Resources<'a> {
+    /// Reads a weather file, and warns of doubtful values in it. `place` is the place of the scene,
+    /// which is used if the file states none.
+    pub fn weather(&self, path: &Path, options: &WeatherOptions, place: ScenePlace) -> Result<Weather> {
+        let weather = parse_weather_as(path, &(self.files)(path)?, options, place)?;
+        weather.report.warnings.iter().for_each(|text| self.observer.warn(text));
+        Ok(weather)
+    }
+
     /// Returns resources on this machine: memory, temporary files of the system, files on disk.
     pub fn of(memory: MemoryBudget, observer: &'a dyn Observer) -> Self {
         Resources { memory, storage: &SystemTemp, files: &input::read, observer }

@@ -13,8 +13,6 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::observer::Observer;
 use heliotile_core::opened::{OpenSite, ReceiverMatching, ReceiverPlace};
 use heliotile_core::weather::options::WeatherOptions;
-use heliotile_files::input;
-use heliotile_files::input::weather::read_weather_as;
 use heliotile_files::writing::guards::guard_output;
 use heliotile_remote::naming::shown;
 use heliotile_remote::places::{hold, open_archive};
@@ -66,10 +64,9 @@ impl PageRequest {
         }
         if let Some(file) = &self.weather {
             let place = archive.manifest().place;
-            let weather = read_weather_as(file, &self.about_weather, &mut || Ok(place))?;
-            weather.report.warnings.iter().for_each(|text| observer.warn(text));
+            let weather = resources.weather(file, &self.about_weather, &mut || Ok(place))?;
             place.and_then(|place| far_apart(&place, &weather)).iter().for_each(|apart| observer.warn(apart));
-            page = page.with_weather(file, &input::read(file)?)?;
+            page = page.with_weather(file, &(resources.files)(file)?)?;
             if self.about_weather != WeatherOptions::default() {
                 page = page.with_weather_options(&self.about_weather);
             }

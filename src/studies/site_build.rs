@@ -20,8 +20,10 @@ use heliotile_core::archive::{Access, Archive, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::observer::Observer;
+use heliotile_core::replay::schedule_csv::ReadFile;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::text::{Message, message};
+use heliotile_files::input;
 use heliotile_files::writing::copy::folder_of;
 use heliotile_files::writing::guards::{check_archive_name, guard_archive};
 use heliotile_remote::naming::{is_address, shown};
@@ -103,6 +105,8 @@ pub struct SiteBuild<'a> {
     pub preview_percent: Option<f64>,
     /// Memory for all that a build holds besides the scene and its tree.
     pub memory: MemoryBudget,
+    /// Function that reads the weather of an error target.
+    pub files: ReadFile<'a>,
 }
 
 /// Files of an archive that is kept in a folder for later runs.
@@ -192,6 +196,7 @@ impl<'a> SiteBuild<'a> {
             from: None,
             preview_percent: None,
             memory: MemoryBudget::DEFAULT,
+            files: &input::read,
         }
     }
 
@@ -203,6 +208,7 @@ impl<'a> SiteBuild<'a> {
             under: self.under,
             with_scene: self.with_scene,
             from: before,
+            files: self.files,
             preview_percent: self.preview_percent,
         })
     }

@@ -18,7 +18,6 @@ use heliotile_core::replay::sun_hours::SunHours;
 use heliotile_core::weather::conditions::Condition;
 use heliotile_core::weather::time::sun::Location;
 use heliotile_core::weather::time::sun_path::{MONTHS, SunPath};
-use heliotile_files::input::weather::read_weather_as;
 use heliotile_files::spill::TempFiles;
 use heliotile_files::writing::copy::folder_of;
 use heliotile_results::outputs::pictures::exr::exr;
@@ -192,7 +191,7 @@ fn overlay(
                 }
                 place => Ok(place),
             };
-            let weather = read_weather_as(file, &request.about_weather, &mut place)?;
+            let weather = resources.weather(file, &request.about_weather, &mut place)?;
             provenance = provenance.with_weather(file, &weather);
             // Some files pad names with blanks.
             let place = weather.place.split_whitespace().collect::<Vec<_>>().join(" ");

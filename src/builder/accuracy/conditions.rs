@@ -10,10 +10,11 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::observer::Observer;
 use heliotile_core::site::place::Place;
 use heliotile_core::units::direction_from_degrees;
+use heliotile_core::replay::schedule_csv::ReadFile;
 use heliotile_core::weather::clear::clear_sky;
 use heliotile_core::weather::conditions::Condition;
 use heliotile_core::weather::options::WeatherOptions;
-use heliotile_files::input::weather::read_weather_as;
+use heliotile_weather::formats::weather_file::parse_weather_as;
 use heliotile_weather::series::Weather;
 
 /// Lowest and highest ([`HIGHEST_DEG`]) altitude of the suns, degrees. Below there is hardly any
@@ -77,16 +78,17 @@ pub enum ErrorConditions {
 }
 
 impl ErrorConditions {
-    /// Reads a weather file, or returns suns from all sides without one. Warns of doubtful values
-    /// in the file.
+    /// Reads a weather file by `files`, or returns suns from all sides without one. Warns of
+    /// doubtful values in the file.
     pub fn read(
         file: Option<&Path>,
         options: &WeatherOptions,
         place: Option<Place>,
+        files: ReadFile,
         observer: &dyn Observer,
     ) -> Result<Self> {
         let Some(path) = file else { return Ok(ErrorConditions::Spread) };
-        let weather = read_weather_as(path, options, &mut || Ok(place))?;
+        let weather = parse_weather_as(path, &files(path)?, options, &mut || Ok(place))?;
         weather.report.warnings.iter().for_each(|warning| observer.warn(warning));
         ErrorConditions::of_weather(path, weather)
     }

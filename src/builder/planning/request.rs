@@ -13,6 +13,7 @@ use crate::settings::{BuildSettings, EffectChoice, Quality, Rungs, Share};
 use heliotile_core::archive::Archive;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::units::parse_percent;
+use heliotile_core::replay::schedule_csv::ReadFile;
 use heliotile_core::weather::options::WeatherOptions;
 use heliotile_files::writing::claim::same_place;
 use heliotile_requests::Request;
@@ -100,6 +101,8 @@ pub struct BuildRequest<'a> {
     /// Archive of the scene before it was changed. Layers that the change does not alter are copied
     /// from it.
     pub from: Option<&'a Archive>,
+    /// Function that reads the weather of an error target.
+    pub files: ReadFile<'a>,
     /// Bound of a preview, percent of the light on open ground. Layers that the change can alter by
     /// less are kept, and the archive is a preview.
     pub preview_percent: Option<f64>,
@@ -133,7 +136,7 @@ impl Build<'_> {
         let accuracy = request.accuracy;
         let read = |percent| {
             let (file, place) = (accuracy.error_weather.as_deref(), self.scene.scene.place);
-            let suns = ErrorConditions::read(file, &accuracy.weather_options, place, self.observer)?;
+            let suns = ErrorConditions::read(file, &accuracy.weather_options, place, request.files, self.observer)?;
             Ok((percent, suns))
         };
         let target = accuracy.error_percent.map(read).transpose()?;

@@ -3,7 +3,7 @@
 use super::console::terminal::Terminal;
 use super::{Outcome, load_scene, say};
 use heliotile::cases::Build;
-use heliotile::{Provenance, ReceiverCsv, Result};
+use heliotile::{Provenance, ReceiverCsv, Resources, Result};
 
 /// `heliotile build`.
 pub fn run(args: &Build, _: Provenance) -> Result<Outcome> {
@@ -14,10 +14,12 @@ pub fn run(args: &Build, _: Provenance) -> Result<Outcome> {
     }
     if args.dry_run {
         let (receivers, scene) = (args.receivers()?, load_scene(&args.scene)?);
-        say(&args.forecast(&scene, ReceiverCsv::File(receivers), &Terminal::default())?.text)?;
+        let terminal = Terminal::default();
+        let resources = Resources::of(args.memory, &terminal);
+        say(&args.forecast(&scene, ReceiverCsv::File(receivers), &resources)?.text)?;
         return Ok(Outcome::Fine);
     }
     let (output, receivers) = args.check()?;
-    args.trace(&load_scene(&args.scene)?, ReceiverCsv::File(receivers), output, &terminal)?;
+    args.trace(&load_scene(&args.scene)?, ReceiverCsv::File(receivers), output, &Resources::of(args.memory, &terminal))?;
     Ok(Outcome::Fine)
 }

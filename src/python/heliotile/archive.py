@@ -10,7 +10,7 @@ import numpy as np
 from . import _heliotile
 from .askable import Askable
 from .errors import InputError, wrong
-from .given import WantedArgs, asked, file_only, wanted_args
+from .given import WantedArgs, asked, wanted_args
 from .options import AuditOptions, ExportOptions, ExtractOptions, UpdateOptions, ViewOptions, Wanted
 
 if TYPE_CHECKING:
@@ -78,8 +78,8 @@ class Archive(Askable):
         """Compares the archive's errors with its stated accuracy, by the independent reference path
         tracer: `heliotile archive audit`, value by value.
 
-        `scene`: the `Scene` of the archive, or its files. `weather`, a file or a `Weather` of one,
-        or a table of `conditions`; default: suns from all sides. The other options are those of
+        `scene`: the `Scene` of the archive, or its files. `weather`, or a table of `conditions`;
+        default: suns from all sides. The other options are those of
         `heliotile.options.AuditOptions`.
         """
         from . import checks
@@ -125,7 +125,6 @@ class Archive(Askable):
         W/m2. Values include its light, a picture marks its position, and `panel` makes six pictures
         of its light paths. The options are those of `heliotile.options.ExportOptions`.
         """
-        file_only(options.get("weather"))
         keywords = asked("Archive.export", ExportOptions, options, archive=self.path, output=output, access=self.access, receiver=receiver)
         _heliotile.export(keywords.add(view_factors=receiver is None).args())
 
@@ -133,12 +132,11 @@ class Archive(Askable):
         """Writes a page that shows the archive in a browser, also from a disk: `heliotile export
         --html`, byte by byte.
 
-        The page contains an archive of up to 50 MB, and the weather, a file or a `Weather` of one,
-        if given. For a larger archive it asks for the file. `with_` is an archive of the same site
-        after a change: the page then shows before, after and the change.
+        The page contains an archive of up to 50 MB, and the weather, if given. For a larger archive
+        it asks for the file. `with_` is an archive of the same site after a change: the page then
+        shows before, after and the change.
         """
         after = options.get("with_")
-        file_only(options.get("weather"))
         said = {**options, "with_": after.path if isinstance(after, Archive) else after}
         _heliotile.view(asked("Archive.view", ViewOptions, said, archive=self.path).args(), os.fspath(output), self.access)
 

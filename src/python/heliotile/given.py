@@ -127,19 +127,15 @@ class Asked:
         weather = Weather.of(value)
         self._add(name, weather.name)
         if (table := weather.table) is not None:
-            self.tables[weather.name] = table
-        for option, said in zip(OF_WEATHER, weather.said, strict=True):
-            if said is not None:
-                self._add(option, said)
-
-    def _add_error_weather(self, name: str, value: Any) -> None:
-        if (weather := file_only(value)) is None:
-            return
-        self._add(name, weather.name)
-        stated = {known for known, _ in self.texts}
+            if self.tables.setdefault(weather.name, table) != table:
+                raise wrong(name, f"is another table with the name `{weather.name}`", 'name it, as in Weather(table, name="other")')
+        # Statements about the weather come before those about that of an error target.
+        stated = {known for known, _ in self.texts} if name == "error_weather" else ()
         for option, said in zip(OF_WEATHER, weather.said, strict=True):
             if said is not None and option not in stated:
                 self._add(option, said)
+
+    _add_error_weather = _add_weather
 
     def _add_conditions(self, name: str, value: Any) -> None:
         if isinstance(value, (str, os.PathLike)):
@@ -223,17 +219,15 @@ def wanted_args(wanted: Wanted | None) -> WantedArgs:
     return [str(receiver) for receiver in np.atleast_1d(ids).tolist()]
 
 
-def file_only(weather: Any) -> Weather | None:
-    """Returns weather of a file, or None. An error: weather of a table."""
-    found = None if weather is None else Weather.of(weather)
-    if found is not None and found.table is not None:
+def file_only(weather: Any) -> None:
+    """Refuses weather of a table."""
+    if weather is not None and (found := Weather.of(weather)).table is not None:
         raise wrong(found.name, "is a table, and this function reads weather from a file only", "write the table to a CSV file and give its path")
-    return found
 
 
 def _of_scene(name: str, weather: Any) -> None:
     """Refuses weather with a location of its own where the scene states it."""
-    if (found := file_only(weather)) is not None and found.said[:2] != (None, None):
+    if weather is not None and Weather.of(weather).said[:2] != (None, None):
         raise wrong(name, "states its location, and this function takes that of the scene", "give latitude and longitude to the `Scene`")
 
 

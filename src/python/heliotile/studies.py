@@ -48,8 +48,8 @@ class Study:
 def run(scene: Files, weather: Any, output: str | os.PathLike[str] | None = None, **options: Unpack[RunOptions]) -> Study:
     """Computes a year's sun from scene files in one go: `heliotile run`, file by file.
 
-    `scene`: a `Scene` or its files; `weather`: a weather file, or a `Weather` of one; `output`: the
-    folder, by default the name of the first scene file with `.sun`. The options are those of
+    `scene`: a `Scene` or its files; `weather`: a weather file or a table; `output`: the folder, by
+    default the name of the first scene file with `.sun`. The options are those of
     `heliotile.options.RunOptions`; `spacing=1.0, on=["roof"]` place receivers.
     """
     keywords = asked("run", RunOptions, options, weather=weather, output=output, **scene_options(scene))
@@ -70,10 +70,9 @@ def comfort(scene: Files, output: str | os.PathLike[str], *, weather: Any = None
     comfort`, with six receivers for each point. `Archive.comfort` replays it.
 
     `output`: the folder of `receivers.csv` and `site.helio`. An archive of the same inputs is used
-    again. `weather`: a weather file, or a `Weather` of one, for the later replays. Weather without
-    the air that UTCI and PET need is an error before any ray is traced. `error` is estimated under
-    this weather if there is no `error_weather`. The options are those of
-    `heliotile.options.PeopleOptions`.
+    again. `weather`: a weather file or a table, for the later replays. Weather without the air that
+    UTCI and PET need is an error before any ray is traced. `error` is estimated under this weather
+    if there is no `error_weather`. The options are those of `heliotile.options.PeopleOptions`.
     """
     keywords = asked("comfort", PeopleOptions, options, weather=weather, folder=output, **scene_options(scene))
     if options.get("error") is not None and options.get("error_weather") is None:

@@ -60,7 +60,7 @@ impl SceneHandle {
     fn build(&self, py: Python<'_>, asked: Asked, progress: Option<Bound<'_, PyAny>>) -> PyResult<Built> {
         asked.run::<Build, _>(py, &[], progress.as_ref(), |args, _, resources| {
             let (output, receivers) = args.check()?;
-            let done = args.trace(&self.scene, asked.table(receivers), output, resources.observer)?;
+            let done = args.trace(&self.scene, asked.table(receivers), output, resources)?;
             let (error, report) = (done.plan.accuracy.map(|accuracy| accuracy.rmse_percent), done.report);
             Ok((ArchiveHandle::of(output)?, report.seconds, report.rays.total(), report.bytes, error))
         })

@@ -120,7 +120,7 @@ pub fn receivers(py: Python<'_>, asked: Asked, progress: Option<Bound<'_, PyAny>
 pub fn plan(py: Python<'_>, asked: Asked, progress: Option<Bound<'_, PyAny>>) -> PyResult<(usize, String)> {
     asked.run::<Build, _>(py, &[], progress.as_ref(), |args, _, resources| {
         let scene = loaded(&args.scene, resources.observer)?;
-        let planned = args.forecast(&scene, asked.table(args.receivers()?), resources.observer)?;
+        let planned = args.forecast(&scene, asked.table(args.receivers()?), resources)?;
         Ok((planned.receivers, planned.text))
     })
 }

@@ -11,12 +11,13 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import heliotile
 import numpy as np
+import pandas as pd
 import pytest
 from conftest import DATA, DAYS, YEAR, program
 
@@ -83,6 +84,7 @@ class Interrupted:
 
     def interrupt(self) -> None:
         self.went_on.wait(60)
+        self.sent = time.perf_counter()
         os.kill(os.getpid(), signal.SIGINT)
 
     def __call__(self, stage: str, done: int, items: int | None) -> None:
@@ -191,3 +193,78 @@ def test_ten_threads_read_rows_on_demand(block: heliotile.Archive) -> None:
     with ThreadPoolExecutor(10) as pool:
         rows = list(pool.map(lambda row: lazy.isel(receiver=row).values, range(0, 1228, 13)))
     assert (np.stack(rows) == whole[::13]).all()
+
+
+CITY = DATA / "cityjson" / "hague.city.json"
+
+
+def people(folder: Path, columns: str = "height", cells: str = "1.1") -> Path:
+    """300 points on a line, written to a folder."""
+    lines = [f"p{i},{i * 0.1},0,20,{cells}" for i in range(300)]
+    (folder / "points.csv").write_text("\n".join([f"point,x,y,z,{columns}", *lines, ""]))
+    return folder / "points.csv"
+
+
+def receivers_of(block: heliotile.Archive, folder: Path) -> Path:
+    """Receivers of the archive as a table."""
+    table = pd.DataFrame(block.receivers())
+    table.to_csv(folder / "receivers.csv", index=False)
+    return folder / "receivers.csv"
+
+
+def objects_of(block: heliotile.Archive) -> list[str]:
+    return sorted({str(name) for name in block.receivers()["object"]})
+
+
+def damaged(block: heliotile.Archive, folder: Path) -> Path:
+    """The archive without the bytes of its layers."""
+    whole = bytearray(Path(block.path).read_bytes())
+    whole[4096 : len(whole) // 2] = bytes(len(whole) // 2 - 4096)
+    (folder / "damaged.helio").write_bytes(whole)
+    return folder / "damaged.helio"
+
+
+#: Calls that take seconds or minutes: from the archive of README's block and a scratch folder.
+LONG: dict[str, Callable[[heliotile.Archive, Path, Interrupted], object]] = {
+    "run": lambda block, to, told: heliotile.run(CITY, YEAR, to / "run", quality="fine", progress=told),
+    "pv": lambda block, to, told: heliotile.pv(CITY, YEAR, to / "pv", points=people(to, "tilt,azimuth", "30,180"), quality="fine", progress=told),
+    "comfort": lambda block, to, told: heliotile.comfort(CITY, to / "people", points=people(to), quality="fine", progress=told),
+    "plan": lambda block, to, told: heliotile.plan(CITY, receivers_of(block, to), error=0.5, progress=told),
+    "tradeoff": lambda block, to, told: heliotile.tradeoff(CITY, receivers_of(block, to), to / "tradeoff", progress=told),
+    "audit": lambda block, to, told: block.audit(CITY, samples=1000, progress=told),
+    "update": lambda block, to, told: block.update(to / "up.helio", height={name: "+3m" for name in objects_of(block)}, progress=told),
+    "repair": lambda block, to, told: heliotile.repair(damaged(block, to), CITY, progress=told),
+    "write": lambda block, to, told: block.write(to / "hours.csv", YEAR, steps=60, columns=SPLIT, progress=told),
+    "compare": lambda block, to, told: heliotile.compare(block, block, YEAR, steps=60, columns=SPLIT, progress=told),
+    "buildings": lambda block, to, told: block.buildings(to / "roofs.csv", YEAR, steps=60, progress=told),
+    "places": lambda block, to, told: block.places(to / "places.csv", YEAR, steps=60, progress=told),
+    "sunlight": lambda block, to, told: block.sunlight(to / "hours.csv", "year", exact=True, progress=told),
+    "factors": lambda block, to, told: block.factors(azimuth_step=1, altitude_step=1, progress=told),
+}
+
+
+@pytest.mark.parametrize("call", LONG)
+def test_ctrl_c_stops_every_long_call(block: heliotile.Archive, tmp_path: Path, call: str) -> None:
+    """Ctrl-C after the first progress is a KeyboardInterrupt within 5 s, and meanwhile another thread counts more than 20 times a second."""
+    ticks, done = 0, threading.Event()
+
+    def count() -> None:
+        nonlocal ticks
+        while not done.is_set():
+            ticks += 1
+            time.sleep(0.001)
+
+    interrupted, other = Interrupted(), threading.Thread(target=count)
+    other.start()
+    start = time.perf_counter()
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            LONG[call](block, tmp_path, interrupted)
+    finally:
+        seconds = time.perf_counter() - start
+        interrupted.went_on.set()
+        done.set()
+        other.join()
+        interrupted.thread.join()
+    assert time.perf_counter() - interrupted.sent < 5
+    assert ticks > 20 * seconds, f"{ticks} in {seconds} s"

@@ -28,7 +28,6 @@ use heliotile_core::replay::reflectances::Snow;
 use heliotile_core::site::north::North;
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::options::{StampedAt, WeatherOptions};
-use heliotile_files::input::weather::read_weather_as;
 use heliotile_requests::Request;
 use heliotile_results::outputs::provenance::Provenance;
 use heliotile_results::outputs::tables::format::table_endings;
@@ -176,8 +175,7 @@ fn run(request: &PvRequest, about: Provenance, resources: &Resources) -> Result<
     // Weather is read before the scene, which takes longer: a wrong weather file fails at once.
     let mut loaded = None;
     let mut place = || Ok(loaded.insert(load(&site, &wanted, observer)?).0.place);
-    let weather = read_weather_as(&request.weather, &request.about_weather, &mut place)?;
-    weather.report.warnings.iter().for_each(|text| observer.warn(text));
+    let weather = resources.weather(&request.weather, &request.about_weather, &mut place)?;
     files.check_weather(&weather, request)?;
     let (scene, soup) = loaded.map_or_else(|| load(&site, &wanted, observer), Ok)?;
     scene.place.and_then(|place| far_apart(&place, &weather)).iter().for_each(|apart| observer.warn(apart));
@@ -221,7 +219,7 @@ fn run(request: &PvRequest, about: Provenance, resources: &Resources) -> Result<
     let traced = with_modules.as_ref().unwrap_or(&scene);
     let receivers = spots.write_receivers(&ground, beside.path(), north)?;
     let accuracy = request.accuracy.beside(Some(&request.weather), &request.about_weather);
-    let build = SiteBuild { memory: resources.memory, ..SiteBuild::new(traced, &receivers, &accuracy) };
+    let build = SiteBuild { memory: resources.memory, files: resources.files, ..SiteBuild::new(traced, &receivers, &accuracy) };
     let folder = SiteFolder {
         folder: &files.folder,
         archive: &files.archive,

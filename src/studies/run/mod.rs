@@ -30,8 +30,6 @@ use heliotile_builder::planning::{AccuracyRequest, EffectsUnder};
 use heliotile_core::archive::Archive;
 use heliotile_core::error::Result;
 use heliotile_core::weather::options::{StampedAt, WeatherOptions};
-use heliotile_files::input;
-use heliotile_files::input::weather::read_weather_as;
 use heliotile_remote::places::hold;
 use heliotile_scene::Scene;
 use heliotile_scene::request::SceneRequest;
@@ -189,7 +187,7 @@ impl RunRequest {
             let done = request.write(&rules, &site, None, results.about.clone(), resources)?;
             resources.observer.report(done.text());
         }
-        self.write_page(&files)?;
+        self.write_page(&files, resources)?;
         Ok(RunDone { files: files.names(self), folder: files.folder, archive: files.archive, table })
     }
 
@@ -218,8 +216,7 @@ impl RunRequest {
         // Weather is read before the scene, which takes longer: a wrong weather file fails at once.
         let mut loaded = None;
         let mut place = || Ok(loaded.insert(load()?).0.place);
-        let weather = read_weather_as(&self.weather, &self.about_weather, &mut place)?;
-        weather.report.warnings.iter().for_each(|text| observer.warn(text));
+        let weather = resources.weather(&self.weather, &self.about_weather, &mut place)?;
         files.check_weather(&weather, self)?;
         let (scene, covered) = loaded.map_or_else(load, Ok)?;
         scene.place.and_then(|place| far_apart(&place, &weather)).iter().for_each(|apart| observer.warn(apart));
@@ -246,6 +243,7 @@ impl RunRequest {
             with_scene: self.with_scene,
             from: self.from.as_deref(),
             memory: resources.memory,
+            files: resources.files,
             ..SiteBuild::new(&scene, receivers, &accuracy)
         };
         let folder = SiteFolder {
@@ -260,10 +258,10 @@ impl RunRequest {
 
     /// Writes the page that shows the archive under this weather. The page reads a large archive
     /// from its file.
-    fn write_page(&self, files: &RunFiles) -> Result<()> {
+    fn write_page(&self, files: &RunFiles, resources: &Resources) -> Result<()> {
         let page = ViewerPage::default()
             .with_archive(&files.archive, hold(&files.archive)?.as_ref())?
-            .with_weather(&self.weather, &input::read(&self.weather)?)?
+            .with_weather(&self.weather, &(resources.files)(&self.weather)?)?
             .with_weather_options(&self.about_weather);
         let page = if page.holds_archive() { page } else { page.with_option("archive", "../site.helio") };
         page.write(&files.page)

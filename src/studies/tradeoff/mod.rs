@@ -127,7 +127,7 @@ impl TradeoffRequest {
         let scene = Scene::load_site(&self.scene.site()?)?;
         scene.report.tell(observer);
         let weather = self.weather.as_deref();
-        let suns = ErrorConditions::read(weather, &self.about_weather, scene.place, observer)?;
+        let suns = ErrorConditions::read(weather, &self.about_weather, scene.place, resources.files, observer)?;
         let beside = Workspace { folder: folder_of(folder).into(), memory };
         let mut receivers = read_receivers(&beside, self.receivers.as_path(), &scene, observer)?;
         let prepared = PreparedScene::new(&scene)?;

@@ -18,9 +18,8 @@ use heliotile_core::archive::Access;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::place::Place;
 use heliotile_core::sky::model::SkyModel;
-use heliotile_core::weather::conditions::Condition;
+use heliotile_core::weather::conditions::{Condition, parse_conditions};
 use heliotile_core::weather::options::WeatherOptions;
-use heliotile_files::input::weather::read_conditions;
 use heliotile_remote::places::open_archive;
 use heliotile_requests::Request;
 use heliotile_results::resources::Resources;
@@ -167,10 +166,10 @@ impl AuditRequest {
     /// Reads weather or conditions, and warns of doubtful values.
     fn conditions(&self, place: Option<Place>, resources: &Resources) -> Result<AuditConditions> {
         let Some(path) = &self.conditions else {
-            let suns = ErrorConditions::read(self.weather.as_deref(), &self.about_weather, place, resources.observer)?;
+            let suns = ErrorConditions::read(self.weather.as_deref(), &self.about_weather, place, resources.files, resources.observer)?;
             return Ok(AuditConditions { all: suns.some(CONDITIONS), name: suns.name().to_owned(), hours: HOURS });
         };
-        let read = read_conditions(path)?;
+        let read = parse_conditions(path, &(resources.files)(path)?)?;
         read.warnings.iter().for_each(|text| resources.observer.warn(text));
         let count = read.conditions.len();
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
