@@ -112,9 +112,9 @@ pub use heliotile_studies::covering::{CoverRequest, Density};
 pub use heliotile_studies::pv::{PvDone, PvRequest};
 pub use heliotile_studies::site_build::check_output;
 pub use heliotile_studies::{
-    AuditRequest, ComfortSiteRequest, DaySpan, FolderOption, GlareChoice, ReceiverSource, RepairRequest, RunDone,
-    RunMap, RunRequest, SiteArchiveRequest, SiteBuild, SiteFolder, SunlightDone, SunlightRequest, TradeoffRequest,
-    UpdateRequest, Verdict, shipped_rules,
+    AuditReport, AuditRequest, ComfortSiteRequest, DaySpan, FolderOption, GlareChoice, ReceiverSource, RepairRequest,
+    RunDone, RunMap, RunRequest, SiteArchiveRequest, SiteBuild, SiteFolder, SunlightDone, SunlightRequest,
+    TradeoffRequest, UpdateDone, UpdateRequest, Verdict, shipped_rules,
 };
 pub use heliotile_weather::temperatures::Temperature;
 pub use site::{ReceiverTotal, Site, SiteOptions, SiteReplay};
@@ -141,7 +141,9 @@ pub mod atlas {
     pub use heliotile_atlas::partition::{PartitionRequest, partition};
     pub use heliotile_atlas::plan::{AtlasPlan, CutRequest, FILE};
     pub use heliotile_atlas::sources::holding;
-    pub use heliotile_atlas::{Atlas, ExportRequest, ListedPart, SunPosition, VerifyRequest, about, copied, parts};
+    pub use heliotile_atlas::{
+        Atlas, CheckedArchive, ExportRequest, ListedPart, SunPosition, VerifyRequest, about, copied, parts,
+    };
 }
 
 /// Receivers on surfaces and along lines.

@@ -55,13 +55,11 @@ impl UnderRequest {
     /// # Errors
     /// No light is given, or a sun and a sky without irradiance.
     pub fn illumination(&self, replay: &ReplayRequest) -> Result<Illumination> {
-        let query = |conditions: ConditionSource| {
-            Illumination::Conditions(Box::new(QueryRequest { light: replay.light.clone(), conditions }))
-        };
+        let query = |conditions: ConditionSource| QueryRequest { light: replay.light.clone(), conditions }.into();
         match (&self.weather, &self.conditions, self.sun) {
             (Some(weather), ..) => {
                 let replay = ReplayRequest { weather: weather.clone(), ..replay.clone() };
-                Ok(Illumination::Weather(Box::new(replay)))
+                Ok(replay.into())
             }
             (None, Some(conditions), _) => Ok(query(conditions.clone().into())),
             (None, None, Some(sun)) => {

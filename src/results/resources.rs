@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use heliotile_core::light::scratch::ScratchSpace;
 use heliotile_core::error::Result;
+use heliotile_core::light::scratch::ScratchSpace;
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::observer::{Observer, Silent};
 use heliotile_core::replay::schedule_csv::ReadFile;

@@ -149,7 +149,11 @@ impl ComfortSiteRequest {
         let beside = beside.map_err(Error::io(&self.folder, "make a folder in"))?;
         let receivers = beside.path().join("receivers.csv");
         write_receivers(&receivers, &stands, North::of(scene.place.as_ref()))?;
-        let build = SiteBuild { memory: resources.memory, files: resources.files, ..SiteBuild::new(&scene, &receivers, &self.accuracy) };
+        let build = SiteBuild {
+            memory: resources.memory,
+            files: resources.files,
+            ..SiteBuild::new(&scene, &receivers, &self.accuracy)
+        };
         let folder = SiteFolder {
             folder: &self.folder,
             archive: &archive,

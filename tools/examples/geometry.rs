@@ -7,8 +7,8 @@ use std::path::Path;
 
 use glam::DVec3;
 use heliotile::{
-    AccuracyRequest, Class, Component, ComponentSet, Condition, Illumination, Material, Output, Quality, QueryRequest,
-    Receiver, Resources, Scene, Silent, Site, SiteBuild, direction_from_degrees,
+    AccuracyRequest, Class, Component, ComponentSet, Condition, Material, Output, Quality, QueryRequest, Receiver,
+    Resources, Scene, Silent, Site, SiteBuild, direction_from_degrees,
 };
 
 fn main() -> heliotile::Result<()> {
@@ -43,7 +43,7 @@ fn wall_in_the_sun(folder: &std::path::Path, mut each: impl FnMut(&str, f32, f32
     let sun = direction_from_degrees(180.0, 40.0);
     let condition = |label: &str, dni, dhi| Condition::new(label.into(), &[sun], sun, dni, dhi);
     let conditions = [condition("clear", 800.0, 80.0), condition("overcast", 0.0, 150.0)];
-    let (site, under) = (Site::open(path)?, Illumination::Conditions(Box::new(QueryRequest::of(conditions.to_vec()))));
+    let (site, under) = (Site::open(path)?, QueryRequest::of(conditions.to_vec()).into());
     let columns = [Component::SunDirect, Component::SunReflected];
     site.under(&under, Path::new("-"), &Resources::usual())?.each(ComponentSet::of(&columns), |tile| {
         for (row, id) in tile.ids.iter().enumerate() {

@@ -20,6 +20,11 @@ pub fn run(args: &Build, _: Provenance) -> Result<Outcome> {
         return Ok(Outcome::Fine);
     }
     let (output, receivers) = args.check()?;
-    args.trace(&load_scene(&args.scene)?, ReceiverCsv::File(receivers), output, &Resources::of(args.memory, &terminal))?;
+    args.trace(
+        &load_scene(&args.scene)?,
+        ReceiverCsv::File(receivers),
+        output,
+        &Resources::of(args.memory, &terminal),
+    )?;
     Ok(Outcome::Fine)
 }

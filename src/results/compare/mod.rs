@@ -50,6 +50,18 @@ pub enum Illumination {
     Conditions(Box<QueryRequest>),
 }
 
+impl From<ReplayRequest> for Illumination {
+    fn from(request: ReplayRequest) -> Self {
+        Illumination::Weather(Box::new(request))
+    }
+}
+
+impl From<QueryRequest> for Illumination {
+    fn from(request: QueryRequest) -> Self {
+        Illumination::Conditions(Box::new(request))
+    }
+}
+
 impl Illumination {
     /// Returns the light that counts.
     pub fn light(&self) -> &LightChoice {

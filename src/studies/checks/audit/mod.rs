@@ -166,7 +166,13 @@ impl AuditRequest {
     /// Reads weather or conditions, and warns of doubtful values.
     fn conditions(&self, place: Option<Place>, resources: &Resources) -> Result<AuditConditions> {
         let Some(path) = &self.conditions else {
-            let suns = ErrorConditions::read(self.weather.as_deref(), &self.about_weather, place, resources.files, resources.observer)?;
+            let suns = ErrorConditions::read(
+                self.weather.as_deref(),
+                &self.about_weather,
+                place,
+                resources.files,
+                resources.observer,
+            )?;
             return Ok(AuditConditions { all: suns.some(CONDITIONS), name: suns.name().to_owned(), hours: HOURS });
         };
         let read = parse_conditions(path, &(resources.files)(path)?)?;

@@ -1,54 +1,38 @@
 //! The way into an archive, or into an atlas that is asked like one. In: a place. Out: an open
 //! site, whose light is computed for requests and written to files.
 
-use std::fs;
+mod light;
+mod opening;
+
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use opening::{sources_at, working_folder};
+
 use heliotile_archives::Workspace;
 use heliotile_archives::transfer::{self, Extracted, Selection};
-use heliotile_atlas::Atlas;
 use heliotile_atlas::plan::is_atlas;
-use heliotile_atlas::sources::sources_of;
-use heliotile_core::archive::{Access, Archive};
+use heliotile_atlas::{CheckedArchive, ExportRequest, VerifyRequest};
+use heliotile_core::archive::Archive;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::observer::Observer;
 use heliotile_core::opened::OpenSite;
-use heliotile_core::replay::components::{Component, ComponentList, ComponentSet};
+use heliotile_core::replay::components::{Component, ComponentList};
 use heliotile_core::site::material::Material;
 use heliotile_files::writing::claim::OutputGuard;
-use heliotile_files::writing::copy::folder_of;
 use heliotile_files::writing::guards::{guard_archive, guard_output, is_archive};
-use heliotile_remote::places::open_archive;
 use heliotile_results::{
-    Archives, BeforeSide, BinLabels, BuildingsRequest, BuildingsSummary, ComfortDone, ComfortRequest, CompareRequest,
-    CompareSummary, Every, FactorsRequest, FileRequest, Illumination, LightChoice, PlacesRequest, PlacesSummary,
-    Provenance, QueryRequest, ReceiverChoice, ReceiverSet, ReplayRequest, Resources, Series, Sources, Tile, TileStream,
+    Archives, BeforeSide, BuildingsRequest, BuildingsSummary, ComfortDone, ComfortRequest, CompareRequest,
+    CompareSummary, Every, FactorsRequest, FileRequest, Illumination, PlacesRequest, PlacesSummary, Provenance,
+    QueryRequest, ReceiverChoice, ReceiverSet, ReplayRequest, Resources, Sources, Tile,
 };
-use heliotile_studies::{SunlightDone, SunlightRequest, SunlightSite};
+use heliotile_studies::{
+    AuditReport, AuditRequest, SunlightDone, SunlightRequest, SunlightSite, UpdateDone, UpdateRequest,
+};
 
-/// Options of how a site is opened.
-#[derive(Clone, Debug)]
-pub struct SiteOptions {
-    /// How files are read; `None`: through a mapping, unless the archive is large compared with
-    /// `memory`.
-    pub access: Option<Access>,
-    /// Memory budget that decides on `access`.
-    pub memory: MemoryBudget,
-    /// Receivers that results are computed for. Of an atlas, a box opens only the parts that it
-    /// touches.
-    pub receivers: ReceiverChoice,
-    /// Program and options that files of results state.
-    pub about: Provenance,
-}
-
-impl Default for SiteOptions {
-    fn default() -> Self {
-        let (receivers, about) = (ReceiverChoice::default(), Provenance::default());
-        SiteOptions { access: None, memory: MemoryBudget::DEFAULT, receivers, about }
-    }
-}
+pub use light::SiteReplay;
+pub use opening::SiteOptions;
 
 /// An open archive, or the open parts of an atlas. Clones share the open files, and several threads
 /// may read them at once.
@@ -70,18 +54,6 @@ pub struct Site {
     options: SiteOptions,
 }
 
-/// Light of the chosen receivers of a site under suns and skies. Nothing is computed before it is
-/// asked for.
-pub struct SiteReplay<'a> {
-    site: &'a Site,
-    receivers: ReceiverSet<'a>,
-    light: LightChoice,
-    series: Series,
-    resources: Resources<'a>,
-    /// No file that is written meanwhile may replace an input.
-    _guard: OutputGuard,
-}
-
 /// Sum of a receiver over a weather file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReceiverTotal {
@@ -91,17 +63,34 @@ pub struct ReceiverTotal {
     pub kwh_m2: f64,
 }
 
-/// Divisor of the memory budget: an archive of up to this share is mapped. Pages of a mapping count
-/// as memory for as long as the system likes.
-const MAPPED_SHARE: u64 = 4;
-
 impl Site {
     /// Opens the archive or the atlas at a path or an address.
+    ///
+    /// ```no_run
+    /// # fn main() -> heliotile::Result<()> {
+    /// # use heliotile::Site;
+    /// let site = Site::open("https://example.org/quarter.helio")?;
+    /// println!("{} receivers", site.count());
+    /// # Ok(())
+    /// # }
+    /// ```
     pub fn open(place: impl Into<PathBuf>) -> Result<Site> {
         Site::open_with(place, SiteOptions::default())
     }
 
     /// Opens the archive or the atlas at a path or an address, with options.
+    ///
+    /// ```no_run
+    /// # fn main() -> heliotile::Result<()> {
+    /// # use heliotile::Site;
+    /// use heliotile::{Bounds, ReceiverChoice, Selection, SiteOptions};
+    /// let square = Bounds::of(&[0.0, 0.0, 200.0, 200.0]).ok().map(Selection::Bounds);
+    /// let receivers = ReceiverChoice { selection: square, ..ReceiverChoice::default() };
+    /// let options = SiteOptions { receivers, ..SiteOptions::default() };
+    /// let square = Site::open_with("atlas", options)?;
+    /// # Ok(())
+    /// # }
+    /// ```
     pub fn open_with(place: impl Into<PathBuf>, options: SiteOptions) -> Result<Site> {
         let place = place.into();
         Ok(Site { sources: Arc::new(sources_at(&place, &options)?), place, options })
@@ -114,6 +103,15 @@ impl Site {
     }
 
     /// Returns this site with some of its receivers; `None`: with all that were opened.
+    ///
+    /// ```no_run
+    /// # fn main() -> heliotile::Result<()> {
+    /// # use heliotile::{Selection, Site};
+    /// let site = Site::open("site.helio")?;
+    /// let roofs = site.select(Some(Selection::Surfaces(vec!["roof".into()])));
+    /// # Ok(())
+    /// # }
+    /// ```
     #[must_use]
     pub fn select(&self, receivers: Option<Selection>) -> Site {
         let mut site = self.clone();
@@ -158,6 +156,16 @@ impl Site {
     }
 
     /// Returns the materials, each name once.
+    ///
+    /// ```no_run
+    /// # fn main() -> heliotile::Result<()> {
+    /// # use heliotile::Site;
+    /// for material in Site::open("site.helio")?.materials()? {
+    ///     println!("{}: {}", material.name, material.diffuse);
+    /// }
+    /// # Ok(())
+    /// # }
+    /// ```
     pub fn materials(&self) -> Result<Vec<Material>> {
         let mut all: Vec<Material> = Vec::new();
         for archive in self.archives().iter() {
@@ -171,12 +179,33 @@ impl Site {
     }
 
     /// Returns the chosen receivers; data that does not fit into memory goes beside `output`.
+    ///
+    /// ```no_run
+    /// # fn main() -> heliotile::Result<()> {
+    /// # use heliotile::{MemoryBudget, Site};
+    /// let site = Site::open("site.helio")?;
+    /// let receivers = site.receivers("-".as_ref(), MemoryBudget::DEFAULT)?;
+    /// println!("{} of {}", receivers.names()?.len(), site.count());
+    /// # Ok(())
+    /// # }
+    /// ```
     pub fn receivers(&self, output: &Path, memory: MemoryBudget) -> Result<ReceiverSet<'_>> {
         self.options.receivers.of(self.archives(), &working_folder(output), memory)
     }
 
     /// Reads and checks suns and skies; nothing is computed yet. `output` is the file of results,
     /// `-` if there is none.
+    ///
+    /// ```no_run
+    /// # fn main() -> heliotile::Result<()> {
+    /// # use heliotile::{ReplayRequest, Resources, Site};
+    /// let site = Site::open("site.helio")?;
+    /// let year = ReplayRequest::of("rotterdam.epw").into();
+    /// let replay = site.under(&year, "-".as_ref(), &Resources::usual())?;
+    /// println!("{} hours", replay.bins().len());
+    /// # Ok(())
+    /// # }
+    /// ```
     pub fn under<'a>(
         &'a self,
         request: &Illumination,
@@ -204,19 +233,39 @@ impl Site {
 
     /// Writes the irradiance under the conditions of a table. Returns a sentence about what was
     /// written, if there is one.
+    ///
+    /// ```no_run
+    /// # fn main() -> heliotile::Result<()> {
+    /// # use heliotile::{FileRequest, QueryRequest, Resources, Site};
+    /// let site = Site::open("site.helio")?;
+    /// let suns = QueryRequest::of("conditions.csv");
+    /// site.query(&suns, &FileRequest::of("suns.csv"), &Resources::usual())?;
+    /// # Ok(())
+    /// # }
+    /// ```
     pub fn query(&self, request: &QueryRequest, files: &FileRequest, resources: &Resources) -> Result<Option<String>> {
-        self.write(&Illumination::Conditions(Box::new(request.clone())), files, resources)
+        self.write(&request.clone().into(), files, resources)
     }
 
     /// Writes the irradiance over a weather file. Returns a sentence about what was written, if
     /// there is one.
+    ///
+    /// ```no_run
+    /// # fn main() -> heliotile::Result<()> {
+    /// # use heliotile::{Every, FileRequest, ReplayRequest, Resources, Site};
+    /// let site = Site::open("site.helio")?;
+    /// let year = ReplayRequest { every: Every::Month, ..ReplayRequest::of("rotterdam.epw") };
+    /// site.replay(&year, &FileRequest::of("months.parquet"), &Resources::usual())?;
+    /// # Ok(())
+    /// # }
+    /// ```
     pub fn replay(
         &self,
         request: &ReplayRequest,
         files: &FileRequest,
         resources: &Resources,
     ) -> Result<Option<String>> {
-        self.write(&Illumination::Weather(Box::new(request.clone())), files, resources)
+        self.write(&request.clone().into(), files, resources)
     }
 
     /// Writes the irradiance under suns and skies.
@@ -228,6 +277,18 @@ impl Site {
 
     /// Writes how a change of the site changes its light. This is the site before; the request
     /// holds the places of the sites after.
+    ///
+    /// ```no_run
+    /// # fn main() -> heliotile::Result<()> {
+    /// # use heliotile::{CompareRequest, FileRequest, ReplayRequest, Resources, Site};
+    /// let before = Site::open("before.helio")?;
+    /// let under = ReplayRequest::of("rotterdam.epw").into();
+    /// let request = CompareRequest { after: vec!["after.helio".into()], under, summary: None, unmatched: None };
+    /// let done = before.compare(&request, &FileRequest::of("change.csv"), &Resources::usual())?;
+    /// println!("{}", done.text());
+    /// # Ok(())
+    /// # }
+    /// ```
     pub fn compare(
         &self,
         request: &CompareRequest,
@@ -273,17 +334,40 @@ impl Site {
 
     /// Computes the irradiance over a weather file and calls `take` for each tile, until `take`
     /// returns false.
+    ///
+    /// ```no_run
+    /// # fn main() -> heliotile::Result<()> {
+    /// # use heliotile::{ReplayRequest, Resources, Site};
+    /// let site = Site::open("site.helio")?;
+    /// site.each_tile(&ReplayRequest::of("rotterdam.epw"), &Resources::usual(), |tile| {
+    ///     println!("{} receivers", tile.ids.len());
+    ///     Ok(true)
+    /// })?;
+    /// # Ok(())
+    /// # }
+    /// ```
     pub fn each_tile(
         &self,
         request: &ReplayRequest,
         resources: &Resources,
         take: impl FnMut(&Tile) -> Result<bool>,
     ) -> Result<()> {
-        let under = Illumination::Weather(Box::new(request.clone()));
+        let under = request.clone().into();
         self.under(&under, Path::new("-"), resources)?.each(request.light.columns().set(), take)
     }
 
     /// Writes a solar cadastre from the sums of a year.
+    ///
+    /// ```no_run
+    /// # fn main() -> heliotile::Result<()> {
+    /// # use heliotile::{BuildingsRequest, Every, ReplayRequest, Resources, Site};
+    /// let site = Site::open("site.helio")?;
+    /// let year = ReplayRequest { every: Every::Year, ..ReplayRequest::of("rotterdam.epw") };
+    /// let roofs = BuildingsRequest { output: "roofs.csv".into(), ..BuildingsRequest::default() };
+    /// println!("{} buildings", site.buildings(&year, &roofs, &Resources::usual())?.buildings);
+    /// # Ok(())
+    /// # }
+    /// ```
     pub fn buildings(
         &self,
         year: &ReplayRequest,
@@ -291,12 +375,23 @@ impl Site {
         resources: &Resources,
     ) -> Result<BuildingsSummary> {
         request.check(&self.inputs(&year.files().collect::<Vec<_>>()))?;
-        let under = Illumination::Weather(Box::new(year.clone()));
+        let under = year.clone().into();
         let replay = self.under(&under, &request.output, resources)?;
         request.write(&replay.stream(), self.archives(), &self.place)
     }
 
     /// Writes the best places of modules by the sums of a year.
+    ///
+    /// ```no_run
+    /// # fn main() -> heliotile::Result<()> {
+    /// # use heliotile::{Every, PlacesRequest, ReplayRequest, Resources, Site};
+    /// let site = Site::open("site.helio")?;
+    /// let year = ReplayRequest { every: Every::Year, ..ReplayRequest::of("rotterdam.epw") };
+    /// let best = PlacesRequest { output: "modules.csv".into(), best: 20, ..PlacesRequest::default() };
+    /// println!("{} places", site.places(&year, &best, &Resources::usual())?.places);
+    /// # Ok(())
+    /// # }
+    /// ```
     pub fn places(
         &self,
         year: &ReplayRequest,
@@ -304,23 +399,41 @@ impl Site {
         resources: &Resources,
     ) -> Result<PlacesSummary> {
         request.check(&self.inputs(&year.files().collect::<Vec<_>>()))?;
-        let under = Illumination::Weather(Box::new(year.clone()));
+        let under = year.clone().into();
         let replay = self.under(&under, &request.output, resources)?;
         request.write(&replay.stream(), self.archives(), &self.place)
     }
 
     /// Writes the thermal comfort of people at points with six planes each.
+    ///
+    /// ```no_run
+    /// # fn main() -> heliotile::Result<()> {
+    /// # use heliotile::{ComfortRequest, FileRequest, Resources, Site};
+    /// let people = ComfortRequest::of("rotterdam.epw");
+    /// Site::open("square.helio")?.comfort(&people, &FileRequest::of("utci.csv"), &Resources::usual())?;
+    /// # Ok(())
+    /// # }
+    /// ```
     pub fn comfort(&self, request: &ComfortRequest, files: &FileRequest, resources: &Resources) -> Result<ComfortDone> {
         let read: Vec<&Path> = request.files().collect();
         let inputs = self.inputs(&read);
         request.check(files, &inputs)?;
         let _guard = OutputGuard::new(&inputs, &[])?;
-        let under = Illumination::Weather(Box::new(request.stream()));
+        let under = request.stream().into();
         let replay = self.under(&under, &files.output, resources)?;
         request.write(files, &replay.stream(), self.archives(), &self.place)
     }
 
     /// Writes the light that surroundings reflect, over the sun's position.
+    ///
+    /// ```no_run
+    /// # fn main() -> heliotile::Result<()> {
+    /// # use heliotile::{FactorsRequest, Resources, Site};
+    /// let table = FactorsRequest { output: "factors.csv".into(), ..FactorsRequest::default() };
+    /// Site::open("site.helio")?.factors(&table, &Resources::usual())?;
+    /// # Ok(())
+    /// # }
+    /// ```
     pub fn factors(&self, request: &FactorsRequest, resources: &Resources) -> Result<()> {
         request.check(&self.inputs(&[]))?;
         let receivers = self.receivers(&request.output, resources.memory)?;
@@ -328,6 +441,17 @@ impl Site {
     }
 
     /// Writes the hours of possible sun, or of glare, and the results of rules.
+    ///
+    /// ```no_run
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// # use heliotile::{FileRequest, Resources, Site, SunlightRequest};
+    /// let site = Site::open("site.helio")?;
+    /// let march = SunlightRequest { dates: vec!["03-21".parse()?], ..SunlightRequest::default() };
+    /// let done = site.sunlight(&march, &FileRequest::of("hours.csv"), &Resources::usual())?;
+    /// println!("{} places", done.places);
+    /// # Ok(())
+    /// # }
+    /// ```
     pub fn sunlight(
         &self,
         request: &SunlightRequest,
@@ -350,6 +474,16 @@ impl Site {
     }
 
     /// Writes an archive of the chosen receivers. An atlas of several archives is refused.
+    ///
+    /// ```no_run
+    /// # fn main() -> heliotile::Result<()> {
+    /// # use heliotile::{MemoryBudget, Selection, Silent, Site};
+    /// let window = Selection::Ids(vec!["south/window#3".into()]);
+    /// let site = Site::open("site.helio")?.select(Some(window));
+    /// site.extract("window.helio".as_ref(), true, MemoryBudget::DEFAULT, &Silent)?;
+    /// # Ok(())
+    /// # }
+    /// ```
     pub fn extract(
         &self,
         output: &Path,
@@ -367,6 +501,78 @@ impl Site {
         transfer::extract(self.only()?, selection, with_scene, output, &workspace, observer)
     }
 
+    /// Writes the layers of a receiver as a picture or as values, or a table of view factors. The
+    /// archive and its access are those of this site.
+    ///
+    /// ```no_run
+    /// # fn main() -> heliotile::Result<()> {
+    /// # use heliotile::{atlas::ExportRequest, Resources, Site};
+    /// let site = Site::open("site.helio")?;
+    /// let (output, receiver) = ("fisheye.png".into(), Some("south/window#3".into()));
+    /// let picture = ExportRequest { output, receiver, ..ExportRequest::default() };
+    /// site.export(&picture, &Resources::usual())?;
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn export(&self, request: &ExportRequest, resources: &Resources) -> Result<()> {
+        let request = ExportRequest { place: self.place.clone(), ..request.clone() };
+        request.write(self.options.about.clone(), resources)
+    }
+
+    /// Checks every block of the archive, or of the archives of an atlas; `deep` decodes every
+    /// layer, too.
+    ///
+    /// ```no_run
+    /// # fn main() -> heliotile::Result<()> {
+    /// # use heliotile::Site;
+    /// for checked in Site::open("site.helio")?.verify(true)? {
+    ///     println!("{}", checked.text());
+    /// }
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn verify(&self, deep: bool) -> Result<Vec<CheckedArchive>> {
+        let mut found = Vec::new();
+        let request = VerifyRequest { place: self.place.clone(), deep, ..VerifyRequest::default() };
+        request.each(|checked| {
+            found.push(checked);
+            Ok(())
+        })?;
+        Ok(found)
+    }
+
+    /// Compares the archive with the reference path tracer.
+    ///
+    /// ```no_run
+    /// # fn main() -> heliotile::Result<()> {
+    /// # use heliotile::{AuditRequest, Resources, SceneRequest, Site};
+    /// let scene = SceneRequest::of(["block.city.json"]);
+    /// let request = AuditRequest { scene, samples: Some(64), ..AuditRequest::default() };
+    /// println!("{}", Site::open("site.helio")?.audit(&request, &Resources::usual())?.text());
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn audit(&self, request: &AuditRequest, resources: &Resources) -> Result<AuditReport> {
+        AuditRequest { archive: self.place.clone(), ..request.clone() }.run(resources)
+    }
+
+    /// Writes the archive of an edited scene, and opens it. This is the site before.
+    ///
+    /// ```no_run
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// # use heliotile::{Resources, Site, UpdateRequest};
+    /// let mut request = UpdateRequest { output: "after.helio".into(), ..UpdateRequest::default() };
+    /// request.edits.heights.push("tower=+3m".parse()?);
+    /// let (after, done) = Site::open("site.helio")?.update(&request, &Resources::usual())?;
+    /// println!("{} receivers, {}", after.count(), done.text());
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn update(&self, request: &UpdateRequest, resources: &Resources) -> Result<(Site, UpdateDone)> {
+        let done = UpdateRequest { before: self.place.clone(), ..request.clone() }.write(resources)?;
+        Ok((Site::open_with(&done.archive, self.options_beside())?, done))
+    }
+
     /// Returns the files that are read: the archive, the list of receivers, and `others`.
     fn inputs<'a>(&'a self, others: &[&'a Path]) -> Vec<&'a Path> {
         let list = match &self.options.receivers.selection {
@@ -381,62 +587,4 @@ impl Site {
         let place = self.archives().manifest().place.filter(|_| !self.has_grid_north())?;
         place.note()
     }
-}
-
-impl SiteReplay<'_> {
-    /// Returns the receivers.
-    pub fn receivers(&self) -> &ReceiverSet<'_> {
-        &self.receivers
-    }
-
-    /// Returns the labels of the bins: names of conditions, or times.
-    pub fn bins(&self) -> &BinLabels {
-        &self.series.labels
-    }
-
-    /// Returns the columns, in the order of results.
-    pub fn columns(&self) -> ComponentList {
-        self.light.columns()
-    }
-
-    /// Returns the provenance that files of these results state.
-    pub fn provenance(&self) -> Provenance {
-        self.stream().about(self.site.archives(), &self.site.place)
-    }
-
-    /// Returns the tiles, ready to be computed.
-    pub fn stream(&self) -> TileStream<'_> {
-        TileStream { receivers: &self.receivers, light: &self.light, series: &self.series, resources: self.resources }
-    }
-
-    /// Computes all tiles and hands each to `take`, until it returns false.
-    pub fn each(&self, components: ComponentSet, take: impl FnMut(&Tile) -> Result<bool>) -> Result<()> {
-        self.stream().each(components, take)
-    }
-
-    /// Writes tables, maps, charts and models of other programs in one pass. Returns a sentence
-    /// about what was written, if there is one.
-    pub fn write(&self, files: &FileRequest) -> Result<Option<String>> {
-        files.write(&self.stream(), self.site.archives(), &self.site.place)
-    }
-}
-
-/// Opens the archive at a place, or the parts of an atlas there that a box touches.
-fn sources_at(place: &Path, options: &SiteOptions) -> Result<Sources> {
-    match Atlas::find(place)? {
-        Some(atlas) => sources_of(&atlas, options.receivers.within(), options.access.unwrap_or_default()),
-        None => Ok(Sources::from(open_archive(place, access_of(place, options))?)),
-    }
-}
-
-/// Returns how the archive at a place is read.
-fn access_of(place: &Path, options: &SiteOptions) -> Access {
-    let is_large = || fs::metadata(place).is_ok_and(|about| about.len() > options.memory.total() / MAPPED_SHARE);
-    options.access.unwrap_or_else(|| if is_large() { Access::Read } else { Access::Mapped })
-}
-
-/// Returns the folder for data that does not fit into memory: beside the output, or the system's
-/// temporary folder.
-fn working_folder(output: &Path) -> PathBuf {
-    if output == Path::new("-") { std::env::temp_dir() } else { folder_of(output).into() }
 }
