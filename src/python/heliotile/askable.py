@@ -6,14 +6,14 @@ from __future__ import annotations
 import json
 import os
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 
 from . import _heliotile
-from .given import MEMORY, WantedArgs, asked, wanted_args, wanted_of
+from .given import MEMORY, Asked, WantedArgs, asked, wanted_args, wanted_of
 from .options import (
     BuildingsOptions,
     ComfortOptions,
@@ -173,29 +173,32 @@ class Askable(ABC):
         what was written, if there is one.
         """
         keywords = asked("Archive.write", WriteOptions, options, output=output, weather=weather, conditions=conditions)
-        wanted = wanted_of(options)
-        return self._open(wanted).write(keywords.args(), wanted, options.get("progress"))
+        sentence: str | None = self._ask("write", keywords, options)
+        return sentence
 
     def buildings(self, output: str | os.PathLike[str], weather: Any, **options: Unpack[BuildingsOptions]) -> tuple[int, int]:
         """Writes a solar cadastre from sums over a year, as `heliotile buildings`. Returns the
         numbers of buildings and of roof faces. The options are those of
         `heliotile.options.BuildingsOptions`."""
         keywords = asked("Archive.buildings", BuildingsOptions, options, output=output, weather=weather)
-        return self._open(None).buildings(keywords.args(), options.get("progress"))
+        first, second = self._ask("buildings", keywords, options)
+        return first, second
 
     def places(self, output: str | os.PathLike[str], weather: Any, **options: Unpack[PlacesOptions]) -> tuple[int, int]:
         """Writes the best places for modules by sums over a year, as `heliotile places`. Returns
         the numbers of places and of receivers to choose from. The options are those of
         `heliotile.options.PlacesOptions`."""
         keywords = asked("Archive.places", PlacesOptions, options, output=output, weather=weather)
-        return self._open(None).places(keywords.args(), options.get("progress"))
+        first, second = self._ask("places", keywords, options)
+        return first, second
 
     def comfort(self, output: str | os.PathLike[str], weather: Any, **options: Unpack[ComfortOptions]) -> tuple[int, int]:
         """Writes thermal comfort of people at the points of an archive of `heliotile.comfort`.
         Returns the numbers of points and of hours. `output`: a table or a map by its ending. The
         options are those of `heliotile.options.ComfortOptions`."""
         keywords = asked("Archive.comfort", ComfortOptions, options, output=output, weather=weather)
-        return self._open(None).comfort(keywords.args(), options.get("progress"))
+        first, second = self._ask("comfort", keywords, options)
+        return first, second
 
     def sunlight(self, output: str | os.PathLike[str], dates: str | Sequence[str] = (), **options: Unpack[SunlightOptions]) -> dict[str, Any]:
         """Writes hours of possible sun on some days, or how rules rate them: `heliotile sunlight`.
@@ -205,16 +208,16 @@ class Askable(ABC):
         Returns the numbers of `places` and `days`, and for each of the `rules` how many places meet
         it, break it, or are too close to it to decide.
         """
-        keywords, wanted = asked("Archive.sunlight", SunlightOptions, options, output=output, dates=dates), wanted_of(options)
-        found: dict[str, Any] = json.loads(self._open(wanted).sunlight(keywords.args(), wanted, options.get("progress")))
+        keywords = asked("Archive.sunlight", SunlightOptions, options, output=output, dates=dates)
+        found: dict[str, Any] = self._ask("sunlight", keywords, options)
         return found
 
     def glare(self, output: str | os.PathLike[str], dates: str | Sequence[str] = "year", **options: Unpack[GlareOptions]) -> dict[str, Any]:
         """Writes when mirrors and glass reflect the sun to receivers, or how rules rate that:
         `heliotile glare`. Arguments are those of `sunlight`, options those of
         `heliotile.options.GlareOptions`. A plot that ends with .svg is a calendar."""
-        keywords, wanted = asked("Archive.glare", GlareOptions, options, output=output, dates=dates), wanted_of(options)
-        found: dict[str, Any] = json.loads(self._open(wanted).glare(keywords.args(), wanted, options.get("progress")))
+        keywords = asked("Archive.glare", GlareOptions, options, output=output, dates=dates)
+        found: dict[str, Any] = self._ask("glare", keywords, options)
         return found
 
     def factors(self, **options: Unpack[FactorsOptions]) -> Factors:
@@ -225,3 +228,8 @@ class Askable(ABC):
         found = self._open(wanted).factors(keywords.args(), wanted, options.get("progress"))
         values = {name: np.asarray(values) for name, values in found[3]}
         return Factors(options.get("by") or "receiver", found[0], np.array(found[1]), np.array(found[2]), values)
+
+    def _ask(self, question: str, keywords: Asked, options: Mapping[str, Any]) -> Any:
+        """Answers a question by files. Returns its summary."""
+        wanted = wanted_of(options)
+        return json.loads(_heliotile.ask(self._open(wanted), question, keywords.args(), wanted, options.get("progress")))

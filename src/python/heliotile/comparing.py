@@ -15,7 +15,7 @@ import numpy as np
 
 from .archive import Archive
 from .askable import Askable
-from .given import asked, wanted_of
+from .given import asked
 from .options import CompareOptions
 
 if TYPE_CHECKING:
@@ -94,10 +94,9 @@ def compare(
         if in_memory:
             said["output"] = table
         keywords = asked("compare", CompareOptions, said, weather=weather, after=[_path(variant) for variant in variants])
-        wanted = wanted_of(options)
         site = before if isinstance(before, Askable) else Archive.open(before)
-        rows, text = site._open(wanted).compare(keywords.args(), wanted, options.get("progress"))
-        made = Comparison(json.loads(rows), text)
+        rows, text = site._ask("compare", keywords, options)
+        made = Comparison(rows, text)
         return _with_values(made, table, options.get("by") or "receiver") if in_memory else made
 
 

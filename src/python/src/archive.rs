@@ -1,28 +1,26 @@
 //! An open archive, or the open archives of an atlas. In: a path. Out: receivers, their light under
 //! weather or conditions, and shading factors over the sun's position.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use serde_json::Value;
 
 use crate::asked::{Asked, Memory};
 use crate::errors::raised;
 use crate::lazy::LazyReplay;
 use crate::memory::Block;
 use crate::results::{Frame, Gathered, Recombined};
+use crate::selection::{Wanted, bounds_of};
 use crate::table::columns_of;
 use crate::work;
 use heliotile::archive::{Archive, format};
 use heliotile::atlas::check_square;
-use heliotile::cases::{Buildings, Compare, Extract, Factors, Glare, PeopleOfSite, Places, Replay, Sunlight};
+use heliotile::cases::{Extract, Factors, Replay};
 use heliotile::names::by_name;
-use heliotile::tables::{Cell, Records};
 use heliotile::{
-    Access, Bounds, Error, FACTORS, FactorRows, Illumination, PartReceivers, Provenance, ReceiverChoice, Resources,
-    Result, Selection, Site, SiteOptions, SiteReplay,
+    Access, FACTORS, FactorRows, Illumination, PartReceivers, Provenance, ReceiverChoice, Resources, Result, Selection,
+    Site, SiteOptions, SiteReplay,
 };
 
 /// An open archive, or open parts of an atlas, with the choice of which way is north. Several
@@ -37,67 +35,6 @@ type MaterialRow = (String, f64, f64, Option<f64>, Option<String>, String);
 
 /// Names, azimuths and altitudes in degrees, and the values of each factor.
 type FactorColumns = (Vec<String>, Vec<f64>, Vec<f64>, Vec<(&'static str, Block)>);
-
-/// Selection of receivers: a list of ids, a file of ids, or one of `objects`, `surfaces` and `bbox`
-/// with its values.
-#[derive(FromPyObject)]
-pub enum Wanted {
-    Ids(Vec<String>),
-    File(PathBuf),
-    Of(BTreeMap<String, Of>),
-}
-
-/// Returns the rows of a table as JSON objects, keyed by the names of the columns; an empty cell is
-/// null.
-fn json_of(records: &Records) -> Value {
-    let cell = |cell: &Cell| match cell {
-        Cell::Text(text) => text.as_str().into(),
-        Cell::Count(count) => (*count).into(),
-        Cell::Number(number) => (*number).into(),
-    };
-    let row = |row: &Vec<Cell>| {
-        let cells = records.columns.iter().zip(row).map(|(column, value)| (column.name.clone(), cell(value)));
-        Value::Object(cells.collect())
-    };
-    records.rows.iter().map(row).collect()
-}
-
-/// Names of objects or surfaces, or the numbers of a box.
-#[derive(FromPyObject)]
-pub enum Of {
-    Names(Vec<String>),
-    Numbers(Vec<f64>),
-}
-
-impl Wanted {
-    fn selection(&self) -> Result<Selection> {
-        let of = match self {
-            Wanted::Ids(ids) if ids.is_empty() => {
-                return Err(Error::argument("receivers", "the list is empty", "leave it out for all receivers"));
-            }
-            Wanted::Ids(ids) => return Ok(Selection::Ids(ids.clone())),
-            Wanted::File(file) => return Ok(Selection::Receivers(file.clone())),
-            Wanted::Of(of) => of,
-        };
-        let mut all = of.iter();
-        match (all.next(), all.next()) {
-            (Some((by, Of::Names(names))), None) if by == "objects" => Ok(Selection::Objects(names.clone())),
-            (Some((by, Of::Names(names))), None) if by == "surfaces" => Ok(Selection::Surfaces(names.clone())),
-            (Some((by, Of::Numbers(numbers))), None) if by == "bbox" => {
-                bounds_of(numbers.clone()).map(Selection::Bounds)
-            }
-            _ => Err(Error::argument("receivers", "the mapping is not a selection of receivers", HINT)),
-        }
-    }
-}
-
-/// Hint about the valid selections of receivers.
-const HINT: &str = "give one of {\"objects\": names}, {\"surfaces\": names} and {\"bbox\": (xmin, ymin, xmax, ymax)}";
-
-/// Returns the box of `xmin, ymin, xmax, ymax[, zmin, zmax]`.
-pub fn bounds_of(numbers: Vec<f64>) -> Result<Bounds> {
-    Bounds::of(&numbers).map_err(|found| Error::argument("receivers", found, HINT))
-}
 
 #[pymethods]
 impl ArchiveHandle {
@@ -222,96 +159,6 @@ impl ArchiveHandle {
         })
     }
 
-    /// Writes irradiance to files: tables, maps, charts, a city model. Returns a sentence about
-    /// what was written, if there is one.
-    #[pyo3(signature = (asked, receivers, progress))]
-    fn write(
-        &self,
-        py: Python<'_>,
-        asked: Asked,
-        receivers: Option<Wanted>,
-        progress: Option<Bound<'_, PyAny>>,
-    ) -> PyResult<Option<String>> {
-        asked.run::<Replay, _>(py, ARCHIVE, progress.as_ref(), |args, about, resources| {
-            self.chosen(receivers)?.stating(about).write(&args.under()?, &args.files, resources)
-        })
-    }
-
-    /// Writes how a change of the site changes its light. Returns the summary as JSON, one row for
-    /// each archive of the changed site, and as text.
-    #[pyo3(signature = (asked, receivers, progress))]
-    fn compare(
-        &self,
-        py: Python<'_>,
-        asked: Asked,
-        receivers: Option<Wanted>,
-        progress: Option<Bound<'_, PyAny>>,
-    ) -> PyResult<(String, String)> {
-        asked.run::<Compare, _>(py, ARCHIVE, progress.as_ref(), |args, about, resources| {
-            let done = self.chosen(receivers)?.stating(about).compare(&args.request()?, &args.files, resources)?;
-            Ok((json_of(&done.table()).to_string(), done.text()))
-        })
-    }
-
-    /// Writes a solar cadastre from sums over a year. Returns the numbers of buildings and of roof
-    /// faces.
-    #[pyo3(signature = (asked, progress))]
-    fn buildings(&self, py: Python<'_>, asked: Asked, progress: Option<Bound<'_, PyAny>>) -> PyResult<(u64, u64)> {
-        asked.run::<Buildings, _>(py, ARCHIVE, progress.as_ref(), |args, about, resources| {
-            let done = self.site.stating(about).buildings(&args.year(), &args.request, resources)?;
-            Ok((done.buildings, done.faces))
-        })
-    }
-
-    /// Writes the best places for modules by sums over a year. Returns the numbers of places and of
-    /// receivers to choose from.
-    #[pyo3(signature = (asked, progress))]
-    fn places(&self, py: Python<'_>, asked: Asked, progress: Option<Bound<'_, PyAny>>) -> PyResult<(u64, u64)> {
-        asked.run::<Places, _>(py, ARCHIVE, progress.as_ref(), |args, about, resources| {
-            let done = self.site.stating(about).places(&args.year(), &args.request, resources)?;
-            Ok((done.places, done.receivers))
-        })
-    }
-
-    /// Writes thermal comfort of people. Returns the numbers of points and of hours.
-    #[pyo3(signature = (asked, progress))]
-    fn comfort(&self, py: Python<'_>, asked: Asked, progress: Option<Bound<'_, PyAny>>) -> PyResult<(u64, u64)> {
-        asked.run::<PeopleOfSite, _>(py, &[], progress.as_ref(), |args, about, resources| {
-            let done = self.site.stating(about).comfort(&args.request(), &args.files, resources)?;
-            Ok((done.points, done.hours))
-        })
-    }
-
-    /// Writes hours of possible sun and how rules rate them. Returns the results as JSON.
-    #[pyo3(signature = (asked, receivers, progress))]
-    fn sunlight(
-        &self,
-        py: Python<'_>,
-        asked: Asked,
-        receivers: Option<Wanted>,
-        progress: Option<Bound<'_, PyAny>>,
-    ) -> PyResult<String> {
-        asked.run::<Sunlight, _>(py, ARCHIVE, progress.as_ref(), |args, about, resources| {
-            let done = self.chosen(receivers)?.stating(about).sunlight(&args.request, &args.files, resources)?;
-            Ok(serde_json::json!(done).to_string())
-        })
-    }
-
-    /// Writes when mirrors reflect the sun and how rules rate that. Returns the results as JSON.
-    #[pyo3(signature = (asked, receivers, progress))]
-    fn glare(
-        &self,
-        py: Python<'_>,
-        asked: Asked,
-        receivers: Option<Wanted>,
-        progress: Option<Bound<'_, PyAny>>,
-    ) -> PyResult<String> {
-        asked.run::<Glare, _>(py, ARCHIVE, progress.as_ref(), |args, about, resources| {
-            let done = self.chosen(receivers)?.stating(about).sunlight(&args.request(), &args.files, resources)?;
-            Ok(serde_json::json!(done).to_string())
-        })
-    }
-
     /// Writes an archive of some receivers and opens it.
     #[pyo3(signature = (asked, receivers, progress))]
     fn extract(
@@ -377,7 +224,7 @@ impl ArchiveHandle {
 }
 
 /// Field that an open archive fills.
-const ARCHIVE: &[&str] = &["archive"];
+pub const ARCHIVE: &[&str] = &["archive"];
 
 impl ArchiveHandle {
     /// Returns the archive; of an atlas, the first one.
@@ -392,7 +239,7 @@ impl ArchiveHandle {
     }
 
     /// Returns the site with the selected receivers.
-    fn chosen(&self, receivers: Option<Wanted>) -> Result<Site> {
+    pub fn chosen(&self, receivers: Option<Wanted>) -> Result<Site> {
         Ok(self.site.select(receivers.map(|wanted| wanted.selection()).transpose()?))
     }
 

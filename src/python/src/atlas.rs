@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
 
-use crate::archive::bounds_of;
 use crate::asked::Memory;
+use crate::selection::bounds_of;
 use crate::work;
 use heliotile::Error;
 use heliotile::atlas::{PartRequest, build_parts, parts};

@@ -8,6 +8,8 @@
 //! | `memory` | numbers | views of them for NumPy and Arrow |
 //! | `asked` | keywords as texts | requests of the library |
 //! | `archive` | a file | receivers, results, factors |
+//! | `selection` | ids, a file, names or a box | selections of the library |
+//! | `questions` | a site, keywords | files, and a summary as JSON |
 //! | `results` | tiles | columns, Arrow, pvlib's names |
 //! | `lazy` | an archive and conditions | rows of single receivers, computed tile by tile |
 //! | `atlas` | a folder of parts, arguments of the command line | parts; the program |
@@ -20,8 +22,10 @@ mod atlas;
 mod errors;
 mod lazy;
 mod memory;
+mod questions;
 mod results;
 mod scene;
+mod selection;
 mod studies;
 mod table;
 mod work;
@@ -44,6 +48,8 @@ mod _heliotile {
     use super::lazy::LazyReplay;
     #[pymodule_export]
     use super::memory::Block;
+    #[pymodule_export]
+    use super::questions::ask;
     #[pymodule_export]
     use super::results::FrameHandle;
     #[pymodule_export]
