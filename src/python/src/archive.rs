@@ -11,7 +11,7 @@ use crate::errors::raised;
 use crate::lazy::LazyReplay;
 use crate::memory::Block;
 use crate::results::{Frame, Gathered, Recombined};
-use crate::selection::{Wanted, bounds_of};
+use crate::selection::{PySelection, bounds_of};
 use crate::table::columns_of;
 use crate::work;
 use heliotile::archive::{Archive, format};
@@ -75,7 +75,7 @@ impl ArchiveHandle {
     /// Returns the ids of the selected receivers of each archive in turn; `None` if all receivers
     /// of an archive are selected.
     #[pyo3(name = "chosen", signature = (receivers, memory))]
-    fn chosen_ids(&self, py: Python<'_>, receivers: Wanted, memory: Memory) -> PyResult<Vec<Option<Vec<String>>>> {
+    fn chosen_ids(&self, py: Python<'_>, receivers: PySelection, memory: Memory) -> PyResult<Vec<Option<Vec<String>>>> {
         work::run(py, None, |_| {
             let site = self.chosen(Some(receivers))?;
             let chosen = site.receivers(Path::new("-"), memory.0)?;
@@ -133,7 +133,7 @@ impl ArchiveHandle {
     fn receivers<'py>(
         &self,
         py: Python<'py>,
-        receivers: Option<Wanted>,
+        receivers: Option<PySelection>,
         memory: Memory,
     ) -> PyResult<Bound<'py, PyDict>> {
         let columns = work::run(py, None, |_| {
@@ -151,7 +151,7 @@ impl ArchiveHandle {
         &self,
         py: Python<'_>,
         asked: Asked,
-        receivers: Option<Wanted>,
+        receivers: Option<PySelection>,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Recombined> {
         asked.run::<Replay, _>(py, ARCHIVE, progress.as_ref(), |args, about, resources| {
@@ -165,7 +165,7 @@ impl ArchiveHandle {
         &self,
         py: Python<'_>,
         asked: Asked,
-        receivers: Wanted,
+        receivers: PySelection,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<ArchiveHandle> {
         asked.run::<Extract, _>(py, &["archive", "receivers"], progress.as_ref(), |args, _, resources| {
@@ -192,7 +192,7 @@ impl ArchiveHandle {
         &self,
         py: Python<'_>,
         asked: Asked,
-        receivers: Option<Wanted>,
+        receivers: Option<PySelection>,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<FactorColumns> {
         let (names, grid, columns) =
@@ -239,14 +239,14 @@ impl ArchiveHandle {
     }
 
     /// Returns the site with the selected receivers.
-    pub fn chosen(&self, receivers: Option<Wanted>) -> Result<Site> {
+    pub fn chosen(&self, receivers: Option<PySelection>) -> Result<Site> {
         Ok(self.site.select(receivers.map(|wanted| wanted.selection()).transpose()?))
     }
 
     fn recombined(
         &self,
         under: &Illumination,
-        receivers: Option<Wanted>,
+        receivers: Option<PySelection>,
         about: Provenance,
         resources: &Resources,
     ) -> Result<Recombined> {

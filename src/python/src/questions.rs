@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use crate::archive::{ARCHIVE, ArchiveHandle};
 use crate::asked::Asked;
-use crate::selection::Wanted;
+use crate::selection::PySelection;
 use heliotile::cases::{Buildings, Compare, Glare, PeopleOfSite, Places, Replay, Sunlight};
 use heliotile::tables::{Cell, Records};
 use heliotile::{Provenance, Result, Site};
@@ -21,7 +21,7 @@ pub fn ask(
     site: &Bound<'_, ArchiveHandle>,
     question: &str,
     asked: Asked,
-    receivers: Option<Wanted>,
+    receivers: Option<PySelection>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<String> {
     let (site, progress) = (site.get(), progress.as_ref());

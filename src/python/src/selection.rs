@@ -11,35 +11,39 @@ use heliotile::{Bounds, Error, Result, Selection};
 /// Selection of receivers: a list of ids, a file of ids, or one of `objects`, `surfaces` and `bbox`
 /// with its values.
 #[derive(FromPyObject)]
-pub enum Wanted {
+pub enum PySelection {
     Ids(Vec<String>),
     File(PathBuf),
-    Of(BTreeMap<String, Of>),
+    Mapping(BTreeMap<String, SelectionValues>),
 }
 
 /// Names of objects or surfaces, or the numbers of a box.
 #[derive(FromPyObject)]
-pub enum Of {
+pub enum SelectionValues {
     Names(Vec<String>),
     Numbers(Vec<f64>),
 }
 
-impl Wanted {
+impl PySelection {
     /// Returns the selection of the library.
     pub fn selection(&self) -> Result<Selection> {
         let of = match self {
-            Wanted::Ids(ids) if ids.is_empty() => {
+            PySelection::Ids(ids) if ids.is_empty() => {
                 return Err(Error::argument("receivers", "the list is empty", "leave it out for all receivers"));
             }
-            Wanted::Ids(ids) => return Ok(Selection::Ids(ids.clone())),
-            Wanted::File(file) => return Ok(Selection::Receivers(file.clone())),
-            Wanted::Of(of) => of,
+            PySelection::Ids(ids) => return Ok(Selection::Ids(ids.clone())),
+            PySelection::File(file) => return Ok(Selection::Receivers(file.clone())),
+            PySelection::Mapping(of) => of,
         };
         let mut all = of.iter();
         match (all.next(), all.next()) {
-            (Some((by, Of::Names(names))), None) if by == "objects" => Ok(Selection::Objects(names.clone())),
-            (Some((by, Of::Names(names))), None) if by == "surfaces" => Ok(Selection::Surfaces(names.clone())),
-            (Some((by, Of::Numbers(numbers))), None) if by == "bbox" => {
+            (Some((by, SelectionValues::Names(names))), None) if by == "objects" => {
+                Ok(Selection::Objects(names.clone()))
+            }
+            (Some((by, SelectionValues::Names(names))), None) if by == "surfaces" => {
+                Ok(Selection::Surfaces(names.clone()))
+            }
+            (Some((by, SelectionValues::Numbers(numbers))), None) if by == "bbox" => {
                 bounds_of(numbers.clone()).map(Selection::Bounds)
             }
             _ => Err(Error::argument("receivers", "the mapping is not a selection of receivers", HINT)),
