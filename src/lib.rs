@@ -178,7 +178,7 @@ pub mod output {
     pub use heliotile_files::writing::guards::{check_archive_name, guard_archive, guard_output, is_archive};
     pub use heliotile_files::writing::whole_file::remove_unfinished;
     pub use heliotile_results::outputs::city_model::is_city_model;
-    pub use heliotile_results::outputs::results::ResultFormat;
+    pub use heliotile_results::outputs::result_file::ResultFormat;
     pub use heliotile_results::outputs::shapes::writer::MapFormat;
     pub use heliotile_results::outputs::sink::write_texts;
     pub use heliotile_results::outputs::tables::format::{Format, files_of};
@@ -203,7 +203,7 @@ pub mod scene {
 /// Tables of results.
 pub mod tables {
     pub use heliotile_results::outputs::tables;
-    pub use heliotile_results::outputs::tables::rows::{Cell, Records};
+    pub use heliotile_results::outputs::tables::records::{Cell, Records};
     pub use heliotile_results::{ArrowRows, Layout, ONE_SIDE, open_after};
     pub use heliotile_studies::is_time;
 }

@@ -58,7 +58,7 @@ pub use compare::{
 };
 pub use factors::{FactorRows, FactorsRequest};
 pub use files::{
-    AreaChart, CityModelSink, FileRequest, MapFile, Question, ResultRows, ResultSink, RowsAbout, crs_of, name_of,
+    AreaChart, CityModelSink, FileRequest, MapFile, Question, ResultSink, RowsAbout, crs_of, name_of, rows_of,
     surroundings,
 };
 pub use own_skies::{SkyChoice, SkyFiles};

@@ -10,7 +10,7 @@ use crate::outputs::buildings::{Envelope, building_of, face_of};
 use crate::outputs::pv::places::{PlaceCandidate, best_places};
 use crate::outputs::tables::column::Column;
 use crate::outputs::tables::format::table_help;
-use crate::outputs::tables::rows::{Cell, Records};
+use crate::outputs::tables::records::{Cell, Records};
 use heliotile_archives::transfer::Shown;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::named::NamedValues;

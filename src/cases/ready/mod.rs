@@ -18,7 +18,7 @@ use heliotile_remote::naming::{is_address, shown};
 use heliotile_remote::places::require_file;
 use heliotile_requests::{InputKind, OutputKind, Request, Role};
 use heliotile_results::outputs::city_model::is_city_model;
-use heliotile_results::outputs::results::ResultFormat;
+use heliotile_results::outputs::result_file::ResultFormat;
 use heliotile_results::outputs::tables::format::{Format, files_of};
 use heliotile_studies::covering::check_name;
 

@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::arrays::{Frame, Gathered, Recombined};
 use crate::asked::{Asked, Memory};
 use crate::errors::raised;
 use crate::lazy::LazyReplay;
 use crate::memory::Block;
-use crate::results::{Frame, Gathered, Recombined};
 use crate::selection::{PySelection, bounds_of};
 use crate::table::columns_of;
 use crate::work;

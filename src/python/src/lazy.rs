@@ -9,8 +9,8 @@ use pyo3::exceptions::{PyIndexError, PyKeyError};
 use pyo3::prelude::*;
 use self_cell::self_cell;
 
+use crate::arrays::{Frame, FrameHandle, no_column};
 use crate::memory::Block;
-use crate::results::{Frame, FrameHandle, no_column};
 use crate::work;
 use heliotile::archive::{OpenSite, Replay, format};
 use heliotile::{ComponentSet, Error, Observer, Result, Site, SiteReplay};

@@ -10,20 +10,20 @@
 //! | `archive` | a file | receivers, results, factors |
 //! | `selection` | ids, a file, names or a box | selections of the library |
 //! | `questions` | a site, keywords | files, and a summary as JSON |
-//! | `results` | tiles | columns, Arrow, pvlib's names |
+//! | `arrays` | tiles | columns, Arrow, pvlib's names |
 //! | `lazy` | an archive and conditions | rows of single receivers, computed tile by tile |
 //! | `atlas` | a folder of parts, arguments of the command line | parts; the program |
 //! | `studies` | requests | folders of results, archives, problems of archives |
 //! | `scene` | files, receivers | a scene; an archive |
 
 mod archive;
+mod arrays;
 mod asked;
 mod atlas;
 mod errors;
 mod lazy;
 mod memory;
 mod questions;
-mod results;
 mod scene;
 mod selection;
 mod studies;
@@ -36,6 +36,10 @@ use pyo3::prelude::*;
 mod _heliotile {
     #[pymodule_export]
     use super::archive::ArchiveHandle;
+    #[pymodule_export]
+    use super::arrays::FrameHandle;
+    #[pymodule_export]
+    use super::arrays::Recombined;
     #[pymodule_export]
     use super::atlas::atlas_parts;
     #[pymodule_export]
@@ -50,10 +54,6 @@ mod _heliotile {
     use super::memory::Block;
     #[pymodule_export]
     use super::questions::ask;
-    #[pymodule_export]
-    use super::results::FrameHandle;
-    #[pymodule_export]
-    use super::results::Recombined;
     #[pymodule_export]
     use super::scene::SceneHandle;
     #[pymodule_export]

@@ -4,7 +4,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use super::results::Question;
+use super::rows::Question;
 use crate::Series;
 use crate::outputs::area_means::AreaMeans;
 use crate::outputs::periods::Every;

@@ -5,9 +5,9 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::results::ResultRows;
 use crate::outputs::groups::Groups;
 use crate::outputs::provenance::Provenance;
+use crate::outputs::row_maker::RowMaker;
 use crate::outputs::shapes::MapCrs;
 use crate::outputs::shapes::group_patches::{PatchSorter, Shapeless};
 use crate::outputs::shapes::writer::{MapFormat, MapRequest, MapStats, MapWriter, PlaceShapes, Surroundings};
@@ -30,7 +30,7 @@ pub struct MapStart<'a> {
     /// Number of maps that share the memory.
     pub share: usize,
     /// Columns of the map and labels of its values.
-    pub rows: &'a ResultRows,
+    pub rows: &'a RowMaker,
     /// Description of the values in words.
     pub called: &'a str,
     /// Provenance of the values.

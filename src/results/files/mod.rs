@@ -5,7 +5,7 @@ mod charts;
 mod city_model;
 mod honeybee;
 mod map;
-mod results;
+mod rows;
 
 use std::path::{Path, PathBuf};
 
@@ -13,7 +13,7 @@ use super::archives::Archives;
 use super::stream::TileStream;
 use crate::outputs::city_model::is_city_model;
 use crate::outputs::periods::Every;
-use crate::outputs::results::ResultFormat;
+use crate::outputs::result_file::ResultFormat;
 use crate::outputs::shapes::writer::MapFormat;
 use crate::outputs::tables::format::{files_of, table_help};
 use crate::outputs::tables::layout::By;
@@ -27,8 +27,7 @@ pub use charts::AreaChart;
 pub use city_model::CityModelSink;
 pub use map::{MapStart, say_large};
 pub use map::{crs_of, surroundings};
-pub use results::{MapFile, Question, ResultRows, ResultSink, RowsAbout};
-pub use results::{RowFiles, groups_of, write_rows};
+pub use rows::{MapFile, Question, ResultSink, RowFiles, RowsAbout, groups_of, rows_of, write_rows};
 
 /// Files that results are written to.
 #[derive(Clone, Debug, Request)]

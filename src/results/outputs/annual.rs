@@ -6,7 +6,8 @@ use std::path::Path;
 use super::provenance::Provenance;
 use super::receivers::columns_of_receivers;
 use super::tables::column::Column;
-use super::tables::rows::{Cell, RowWriter};
+use super::tables::records::Cell;
+use super::tables::table::Table;
 use heliotile_core::error::Result;
 use heliotile_core::replay::components::{Component, SUM_SUFFIX};
 use heliotile_core::site::north::North;
@@ -24,7 +25,7 @@ pub struct AnnualRow {
 
 /// Table of sums being written.
 pub struct AnnualTable {
-    table: RowWriter,
+    table: Table,
     north: North,
 }
 
@@ -37,7 +38,7 @@ impl AnnualTable {
             .into_iter()
             .chain(["tilt_deg", "azimuth_deg"].map(|name| Column::number(name, 2)))
             .chain(Component::ALL.map(|component| Column::number(format!("{}{SUM_SUFFIX}", component.name()), 3)));
-        let table = RowWriter::create(path, columns.collect(), count, Some(provenance))?;
+        let table = Table::of_rows(path, columns.collect(), count, Some(provenance))?;
         Ok(AnnualTable { table, north })
     }
 

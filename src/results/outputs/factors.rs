@@ -7,7 +7,7 @@ use super::provenance::Provenance;
 use super::tables::batch::{Batch, Values};
 use super::tables::column::{Column, Digits, Kind, TableColumns};
 use super::tables::format::Places;
-use super::tables::writer::TableWriter;
+use super::tables::table::Table;
 use heliotile_core::error::Result;
 use heliotile_core::replay::factors::{FACTORS, SunGrid};
 
@@ -16,7 +16,7 @@ const ROWS_AT_ONCE: usize = 1 << 16;
 
 /// Table of factors being written.
 pub struct FactorTable {
-    table: TableWriter,
+    table: Table,
     /// Names of the receivers or groups that are not yet written; `factors` are their factors,
     /// `[factor][place][sun]`.
     names: Vec<String>,
@@ -34,7 +34,7 @@ impl FactorTable {
             Column::numbers_of_bins("sun_altitude_deg", altitudes),
         ];
         columns.extend(FACTORS.map(|name| Column::float(name, Digits::Decimals(6)).with_unit("1")));
-        let table = TableWriter::create(path, TableColumns::new(columns), Places::counted(count), Some(about))?;
+        let table = Table::create(path, TableColumns::new(columns), Places::counted(count), Some(about))?;
         Ok(FactorTable { table, names: Vec::new(), factors: Default::default() })
     }
 

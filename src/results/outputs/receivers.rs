@@ -7,7 +7,8 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::tables::column::Column;
-use super::tables::rows::{Cell, RowWriter};
+use super::tables::records::Cell;
+use super::tables::table::Table;
 use heliotile_core::error::Result;
 use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::site::patch::{PATCH, Patch};
@@ -45,7 +46,7 @@ pub fn columns_of_receivers() -> Vec<Column> {
 
 /// Table of receivers being written.
 pub struct ReceiverTable {
-    table: RowWriter,
+    table: Table,
     with_reason: bool,
 }
 
@@ -57,7 +58,7 @@ impl ReceiverTable {
         columns.push(Column::text(PATCH));
         columns.extend(with_reason.then(|| Column::text("reason")));
         // The table is CSV, the only format that is read back, and CSV needs no row count.
-        Ok(ReceiverTable { table: RowWriter::create(path, columns, 0, None)?, with_reason })
+        Ok(ReceiverTable { table: Table::of_rows(path, columns, 0, None)?, with_reason })
     }
 
     /// Appends a receiver.

@@ -6,7 +6,8 @@ use std::path::Path;
 
 use super::provenance::Provenance;
 use super::tables::column::Column;
-use super::tables::rows::{Cell, RowWriter};
+use super::tables::records::Cell;
+use super::tables::table::Table;
 use heliotile_core::error::Result;
 
 /// Columns of shares, which sum to 1.
@@ -24,7 +25,7 @@ const DECIMALS: usize = 7;
 
 /// Table of view factors being written.
 pub struct ViewFactorTable {
-    table: RowWriter,
+    table: Table,
 }
 
 impl ViewFactorTable {
@@ -33,7 +34,7 @@ impl ViewFactorTable {
         let shares = SHARES.map(|name| Column::number(name, DECIMALS));
         let sky = [Column::number(SKY[0], PERCENT_DECIMALS), Column::count(SKY[1])];
         let columns = std::iter::once(Column::text("receiver")).chain(shares).chain(sky).collect();
-        Ok(ViewFactorTable { table: RowWriter::create(path, columns, count, Some(about))? })
+        Ok(ViewFactorTable { table: Table::of_rows(path, columns, count, Some(about))? })
     }
 
     /// Appends a row. `views` are the cosine-weighted shares of sky, ground and obstructions; the
@@ -54,6 +55,6 @@ impl ViewFactorTable {
 
     /// Completes the table; its file appears only now, after its metadata file.
     pub fn finish(self) -> Result<u64> {
-        self.table.finish()
+        Ok(self.table.finish()?.bytes)
     }
 }

@@ -7,10 +7,10 @@ mod ground;
 mod light;
 mod modules;
 mod open_plain;
-mod results;
 mod search;
 mod spots;
 mod summary;
+mod tables;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -42,8 +42,8 @@ use heliotile_scene::site::SceneFiles;
 use heliotile_weather::distance::far_apart;
 use light::Light;
 use modules::{GEOMETRY, LaidRows, MATERIALS};
-use results::Results;
 use spots::Spots;
+use tables::Results;
 
 pub(crate) use spots::placed;
 

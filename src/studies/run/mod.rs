@@ -4,7 +4,7 @@
 mod folder;
 pub mod made_from;
 mod maps;
-mod results;
+mod passes;
 
 use std::path::{Path, PathBuf};
 
@@ -36,7 +36,7 @@ use heliotile_scene::request::SceneRequest;
 use heliotile_scene::site::SceneFiles;
 use heliotile_weather::distance::far_apart;
 use heliotile_weather::series::Weather;
-use results::RunResults;
+use passes::RunResults;
 
 pub use maps::RunMap;
 

@@ -23,20 +23,21 @@ use heliotile_core::units::tilt_and_azimuth;
 use heliotile_core::weather::time::calendar::Date;
 use heliotile_files::writing::guards::guard_output;
 use heliotile_requests::Request;
-use heliotile_results::files::{MapStart, ResultRows, crs_of, name_of, say_large};
+use heliotile_results::files::{MapStart, crs_of, name_of, say_large};
 use heliotile_results::outputs::groups::Extent;
 use heliotile_results::outputs::pictures::calendar::{Calendar, CalendarDay, CalendarSpell};
 use heliotile_results::outputs::provenance::Provenance;
 use heliotile_results::outputs::quantities::{Measure, PlaceValues, Quantity, ValueSource};
-use heliotile_results::outputs::result_table::ResultTable;
-use heliotile_results::outputs::results::{ResultFormat, ResultWriter};
+use heliotile_results::outputs::result_file::{ResultFile, ResultFormat};
+use heliotile_results::outputs::row_maker::RowMaker;
 use heliotile_results::outputs::shapes::writer::PlaceShapes;
 use heliotile_results::outputs::sink::Sink;
 use heliotile_results::outputs::tables::bin_labels::BinLabels;
 use heliotile_results::outputs::tables::column::Column;
 use heliotile_results::outputs::tables::format::{Format, Places};
 use heliotile_results::outputs::tables::layout::{BinKind, By, Fact, Layout};
-use heliotile_results::outputs::tables::rows::{Cell, RowWriter};
+use heliotile_results::outputs::tables::records::Cell;
+use heliotile_results::outputs::tables::table::Table;
 use heliotile_results::receivers::ReceiverSet;
 use heliotile_results::resources::Resources;
 
@@ -274,7 +275,7 @@ impl SpellRecord {
             Column::number("sun_altitude_deg", 2).with_unit("deg"),
         ];
         let columns = texts.into_iter().chain(minutes).chain(panes).chain([Column::count("mirrors")]).chain(facts);
-        let mut table = RowWriter::create(path, columns.collect(), self.spells.len() as u64, Some(about))?;
+        let mut table = Table::of_rows(path, columns.collect(), self.spells.len() as u64, Some(about))?;
         for (number, spell) in &self.spells {
             let ahead_min = plan.zone.ahead_min(spell.date);
             let clock = |at: f64| Cell::Text(seconds_clock(at + ahead_min));
@@ -294,7 +295,7 @@ impl SpellRecord {
                 .chain(facts.map(Cell::from));
             table.row(cells)?;
         }
-        table.finish()
+        Ok(table.finish()?.bytes)
     }
 
     /// Returns the calendar, which has the spells of each pane on each day, of all receivers
@@ -413,7 +414,7 @@ impl PaneFile<'_> {
         let mut layout = Layout::of_quantities(BinKind::Dates, By::Pane, quantities);
         layout.facts = vec![Fact::Area, Fact::Tilt, Fact::Azimuth];
         let days = label_of(plan);
-        let rows = ResultRows::of(layout, BinLabels::words(vec![days.clone()]), None);
+        let rows = RowMaker::new(layout, BinLabels::words(vec![days.clone()]), None);
         let drawn: Vec<Receiver> = panes.all().iter().map(|pane| pane.drawn()).collect();
         let names: Vec<String> = drawn.iter().map(|pane| pane.id.clone()).collect();
         let north = self.receivers.north();
@@ -429,13 +430,7 @@ impl PaneFile<'_> {
             ResultFormat::Table(_) => {
                 let all = || Ok(names.clone());
                 let places = Places { count: names.len() as u64, names: &all };
-                ResultWriter::Table(ResultTable::create(
-                    self.path,
-                    rows.layout(),
-                    rows.bin_labels(),
-                    &places,
-                    self.about,
-                )?)
+                ResultFile::Table(&rows, rows.table(self.path, &places, self.about)?)
             }
             ResultFormat::Map(format) => {
                 let (scene, receivers) = (self.receivers, self.receivers);
@@ -450,7 +445,7 @@ impl PaneFile<'_> {
                     receivers,
                 };
                 let shapes = PlaceShapes::Receivers(Box::new(drawn.into_iter().map(Ok)));
-                ResultWriter::Map(Box::new(start.with_shapes(shapes, resources)?))
+                ResultFile::Map(Box::new(start.with_shapes(shapes, resources)?))
             }
         };
         writer.write_tile(&names, &PlaceValues::of_arrays(names.len(), 1, &arrays), &extents)?;

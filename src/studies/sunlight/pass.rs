@@ -18,11 +18,12 @@ use heliotile_core::opened::OpenSite;
 use heliotile_core::text::{counted, message};
 use heliotile_results::archives::Archives;
 use heliotile_results::doubts::{check_one_site, preview};
-use heliotile_results::files::{FileRequest, ResultRows, RowFiles, RowsAbout, groups_of, name_of};
+use heliotile_results::files::{FileRequest, RowFiles, RowsAbout, groups_of, name_of};
 use heliotile_results::outputs::groups::{Extent, Groups};
 use heliotile_results::outputs::periods::Every;
 use heliotile_results::outputs::provenance::Provenance;
 use heliotile_results::outputs::quantities::{PlaceValues, Verdict};
+use heliotile_results::outputs::row_maker::RowMaker;
 use heliotile_results::outputs::tables::layout::By;
 use heliotile_results::receivers::ReceiverSet;
 use heliotile_results::resources::Resources;
@@ -74,7 +75,7 @@ impl SunlightRequest {
         if let Some(groups) = &groups {
             layout.facts = groups.facts(files.by, false);
         }
-        let rows = ResultRows::of(layout, columns.bin_labels(), None);
+        let rows = RowMaker::new(layout, columns.bin_labels(), None);
         let about = site.archives.told_in(about, site.place);
         let about = match before {
             Some(before) => about.with("root_before", before.archives.root()),

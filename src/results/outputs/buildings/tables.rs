@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::cadastre::{Cadastre, SIDES};
 use super::face::{Lit, RoofFace};
 use crate::outputs::tables::column::Column;
-use crate::outputs::tables::rows::{Cell, Records};
+use crate::outputs::tables::records::{Cell, Records};
 
 /// Returns a row for each building, by name.
 pub fn building_rows(cadastre: &Cadastre) -> Records {

@@ -12,7 +12,7 @@ use crate::outputs::tables::batch::{Batch, Values};
 use crate::outputs::tables::bin_labels::BinLabels;
 use crate::outputs::tables::column::{Column, Digits, Kind, TableColumns};
 use crate::outputs::tables::format::Places;
-use crate::outputs::tables::writer::TableWriter;
+use crate::outputs::tables::table::Table;
 use heliotile_core::error::Result;
 use heliotile_core::replay::components::Component;
 
@@ -90,7 +90,7 @@ impl SideHours {
 
 /// Table of hours being written.
 pub struct HourlyTable {
-    table: TableWriter,
+    table: Table,
 }
 
 impl HourlyTable {
@@ -98,7 +98,7 @@ impl HourlyTable {
     pub fn create(path: &Path, columns: &[&str], labels: &BinLabels, points: u64, about: &Provenance) -> Result<Self> {
         let mut all = vec![Column::of_bins("time", Kind::Text, labels), Column::of_places("point", Kind::Text)];
         all.extend(columns.iter().map(|name| Column::float(*name, Digits::Decimals(3)).with_unit(UNIT)));
-        let table = TableWriter::create(path, TableColumns::new(all), Places::counted(points), Some(about))?;
+        let table = Table::create(path, TableColumns::new(all), Places::counted(points), Some(about))?;
         Ok(HourlyTable { table })
     }
 

@@ -22,7 +22,7 @@ use crate::outputs::sink::Sink;
 use crate::outputs::tables::batch::{Batch, Values};
 use crate::outputs::tables::column::{Along, BinValues, Column, Kind, TableColumns};
 use crate::outputs::tables::format::{FormatWriter, TableRequest};
-use crate::outputs::tables::writer::{failed, rows_defect};
+use crate::outputs::tables::table::{failed, rows_defect};
 use heliotile_core::error::{Error, Result};
 
 type ArrowResult<T> = std::result::Result<T, ArrowError>;

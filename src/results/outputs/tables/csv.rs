@@ -17,7 +17,7 @@ use crate::outputs::tables::batch::{Batch, Values};
 use crate::outputs::tables::column::{Along, BinValues, Column, Digits, Kind, TableColumns};
 use crate::outputs::tables::csvw;
 use crate::outputs::tables::format::{FormatWriter, TableRequest};
-use crate::outputs::tables::writer::failed;
+use crate::outputs::tables::table::failed;
 use heliotile_core::error::Result;
 
 /// Rows of a task, unless a single place has more of them. `TASKS_AT_ONCE` is the number of tasks

@@ -15,11 +15,11 @@ use parquet::record::RowAccessor;
 
 use crate::outputs::provenance;
 use crate::outputs::quantities::PlaceValues;
-use crate::outputs::result_table::ResultTable;
 use crate::outputs::tables::bin_labels::{BinLabels, Precision};
 use crate::outputs::tables::format::Places;
 use crate::outputs::tables::layout::{BinKind, By, Layout};
-use crate::outputs::tables::writer::tests::{create, names, tile, value};
+use crate::outputs::tables::table::tests::ResultTable;
+use crate::outputs::tables::table::tests::{create, names, tile, value};
 use heliotile_core::replay::components::Component;
 use heliotile_core::replay::values::TileValues;
 use heliotile_core::weather::time::calendar::Date;

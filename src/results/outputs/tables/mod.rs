@@ -21,8 +21,8 @@ mod npy;
 mod npz;
 mod numpy;
 mod parquet;
-pub mod rows;
-pub mod writer;
+pub mod records;
+pub mod table;
 mod zone_name;
 
 pub use arrow::ArrowRows;

@@ -11,7 +11,7 @@ use crate::outputs::tables::batch::Batch;
 use crate::outputs::tables::column::{Along, BinValues, Column};
 use crate::outputs::tables::format::{FormatWriter, TableRequest};
 use crate::outputs::tables::numpy::{NumpyArray, Units};
-use crate::outputs::tables::writer::failed;
+use crate::outputs::tables::table::failed;
 use heliotile_core::error::Result;
 
 /// Array and its axes being written.

@@ -18,7 +18,7 @@ use crate::outputs::tables::batch::Batch;
 use crate::outputs::tables::column::{Along, BinValues, Column};
 use crate::outputs::tables::format::{FormatWriter, TableRequest};
 use crate::outputs::tables::numpy::{COLUMN_AXIS, NumpyArray, Units, header};
-use crate::outputs::tables::writer::failed;
+use crate::outputs::tables::table::failed;
 use heliotile_core::error::Result;
 
 /// Archive of arrays being written.

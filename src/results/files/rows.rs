@@ -7,13 +7,11 @@ use super::FileRequest;
 use super::charts::{AreaChart, Plot};
 use super::map::{MapStart, say_large};
 use crate::outputs::groups::{Extent, GroupMeans, Groups};
-use crate::outputs::periods::Every;
 use crate::outputs::provenance::Provenance;
 use crate::outputs::quantities::PlaceValues;
-use crate::outputs::result_table::ResultTable;
-use crate::outputs::results::ResultWriter;
+use crate::outputs::result_file::ResultFile;
+use crate::outputs::row_maker::RowMaker;
 use crate::outputs::shapes::writer::MapFormat;
-use crate::outputs::tables::bin_labels::BinLabels;
 use crate::outputs::tables::format::Places;
 use crate::outputs::tables::layout::{By, Fact, Layout};
 use crate::receivers::ReceiverSet;
@@ -48,21 +46,14 @@ pub struct RowsAbout<'a> {
     pub scene: Option<&'a ReceiverSet<'a>>,
 }
 
-/// Columns of a file, and the labels of the rows of each place.
-pub struct ResultRows {
-    layout: Layout,
-    labels: BinLabels,
-    every: Option<Every>,
-}
-
 /// Files of the same rows, being written.
 pub struct RowFiles<'a> {
-    rows: &'a ResultRows,
+    rows: &'a RowMaker,
     /// Groups that rows are about; `None`: receivers.
     groups: Option<Groups>,
     /// Table that is created when the first row can be computed.
     table: Option<TableStart<'a>>,
-    writers: Vec<(PathBuf, ResultWriter<'a>)>,
+    writers: Vec<(PathBuf, ResultFile<'a>)>,
 }
 
 /// Result files of one replay, or of two that are compared, being written.
@@ -97,48 +88,19 @@ struct TableStart<'a> {
     about: Provenance,
 }
 
-impl ResultRows {
-    /// Returns the rows of a stream about receivers or groups, and these groups; `place` is the
-    /// path of the archive or of the atlas.
-    pub fn new(stream: &TileStream, question: Question, by: By, place: &Path) -> Result<(Self, Option<Groups>)> {
-        let (series, components) = (stream.series, stream.light.columns());
-        let mut layout = match question {
-            Question::Irradiance => Layout::of_components(series.kind, by, &components),
-            Question::Change => Layout::of_changes(series.kind, by, &components),
-        };
-        let groups = groups_of(stream.receivers, by, place)?;
-        if let Some(groups) = &groups {
-            layout.facts = groups.facts(by, layout.has_energy);
-        }
-        Ok((ResultRows::of(layout, series.labels.clone(), series.every), groups))
+/// Returns the rows of a stream about receivers or groups, and these groups; `place` is the path of
+/// the archive or of the atlas.
+pub fn rows_of(stream: &TileStream, question: Question, by: By, place: &Path) -> Result<(RowMaker, Option<Groups>)> {
+    let (series, components) = (stream.series, stream.light.columns());
+    let mut layout = match question {
+        Question::Irradiance => Layout::of_components(series.kind, by, &components),
+        Question::Change => Layout::of_changes(series.kind, by, &components),
+    };
+    let groups = groups_of(stream.receivers, by, place)?;
+    if let Some(groups) = &groups {
+        layout.facts = groups.facts(by, layout.has_energy);
     }
-
-    /// Returns rows of these columns and labels.
-    pub fn of(layout: Layout, labels: BinLabels, every: Option<Every>) -> Self {
-        ResultRows { layout, labels, every }
-    }
-
-    /// Returns rows of receivers with their positions, directions and areas.
-    #[must_use]
-    pub fn with_positions(mut self) -> Self {
-        self.layout.facts = Fact::OF_RECEIVERS.to_vec();
-        self
-    }
-
-    /// Returns the columns.
-    pub fn layout(&self) -> &Layout {
-        &self.layout
-    }
-
-    /// Returns the labels of the rows of a place.
-    pub fn bin_labels(&self) -> &BinLabels {
-        &self.labels
-    }
-
-    /// Returns the period of a row; `None` in a query.
-    pub fn every(&self) -> Option<Every> {
-        self.every
-    }
+    Ok((RowMaker::new(layout, series.labels.clone(), series.every), groups))
 }
 
 /// Returns the groups of receivers that rows are about, with facings by true north; `None` if rows
@@ -153,7 +115,7 @@ pub fn groups_of(receivers: &ReceiverSet, by: By, place: &Path) -> Result<Option
 impl<'a> RowFiles<'a> {
     /// Returns a set of files that is still empty; rows are about `groups`, or about receivers if
     /// `None`.
-    pub fn new(rows: &'a ResultRows, groups: Option<Groups>) -> Self {
+    pub fn new(rows: &'a RowMaker, groups: Option<Groups>) -> Self {
         RowFiles { rows, groups, table: None, writers: Vec::new() }
     }
 
@@ -181,7 +143,7 @@ impl<'a> RowFiles<'a> {
             let share = maps.len();
             let map = MapStart { path, format: *format, share, rows: self.rows, called, about, scene, receivers };
             let map = map.start(resources, self.groups.as_ref(), place)?;
-            self.writers.push((path.clone(), ResultWriter::Map(Box::new(map))));
+            self.writers.push((path.clone(), ResultFile::Map(Box::new(map))));
         }
         Ok(self)
     }
@@ -191,8 +153,8 @@ impl<'a> RowFiles<'a> {
     pub fn start(&mut self) -> Result<()> {
         if let Some(TableStart { path, names, count, about }) = self.table.take() {
             let places = Places { count, names: &*names };
-            let table = ResultTable::create(&path, &self.rows.layout, &self.rows.labels, &places, &about)?;
-            self.writers.insert(0, (path, ResultWriter::Table(table)));
+            let table = self.rows.table(&path, &places, &about)?;
+            self.writers.insert(0, (path, ResultFile::Table(self.rows, table)));
         }
         Ok(())
     }
@@ -221,7 +183,7 @@ impl<'a> RowFiles<'a> {
 impl<'a> ResultSink<'a> {
     /// Returns a sink of rows without any file yet.
     pub fn new(
-        rows: &'a ResultRows,
+        rows: &'a RowMaker,
         groups: Option<Groups>,
         question: Question,
         stream: &TileStream<'a>,
@@ -233,9 +195,9 @@ impl<'a> ResultSink<'a> {
         };
         let components = stream.light.columns();
         let means = groups.iter().flat_map(|groups| (0..sides).map(move |_| groups.clone()));
-        let means = means.map(|groups| GroupMeans::new(groups, components.as_slice(), rows.labels.len(), memory));
+        let means = means.map(|groups| GroupMeans::new(groups, components.as_slice(), rows.bin_labels().len(), memory));
         let means = means.collect::<Result<_>>()?;
-        let has_positions = rows.layout.facts.contains(&Fact::Coordinate(0));
+        let has_positions = rows.layout().facts.contains(&Fact::Coordinate(0));
         let positions = has_positions.then(|| Box::new(stream.receivers.receivers()) as Positions);
         let north = stream.receivers.north();
         Ok(ResultSink { components, means, positions, north, files: RowFiles::new(rows, groups) })
@@ -309,7 +271,7 @@ pub fn write_rows<'s>(
 ) -> Result<()> {
     let RowsAbout { called, about, place, .. } = told;
     let plots = Plot::all(&request.plots, stream.series)?;
-    let (mut rows, groups) = ResultRows::new(stream, question, request.by, place)?;
+    let (mut rows, groups) = rows_of(stream, question, request.by, place)?;
     if request.positions {
         rows = rows.with_positions();
     }

@@ -1,9 +1,10 @@
 //! Tests of [`super`].
 
 use super::*;
+use crate::outputs::groups::Extent;
 use crate::outputs::provenance;
 use crate::outputs::quantities::PlaceValues;
-use crate::outputs::result_table::ResultTable;
+use crate::outputs::row_maker::RowMaker;
 use crate::outputs::tables::bin_labels::{BinLabels, Precision};
 use crate::outputs::tables::layout::{BinKind, By, Layout};
 use ::parquet::file::reader::{FileReader, SerializedFileReader};
@@ -12,6 +13,25 @@ use heliotile_core::replay::components::{Component, ComponentList};
 use heliotile_core::replay::values::TileValues;
 use heliotile_core::weather::time::calendar::Date;
 use heliotile_core::weather::time::utc_offset::UtcOffset;
+
+/// Table of results, and what makes its rows.
+pub(in crate::outputs) struct ResultTable(RowMaker, Table);
+
+impl ResultTable {
+    pub fn create(path: &Path, layout: &Layout, bins: &BinLabels, places: &Places, about: &Provenance) -> Result<Self> {
+        let rows = RowMaker::new(layout.clone(), bins.clone(), None);
+        let table = rows.table(path, places, about)?;
+        Ok(ResultTable(rows, table))
+    }
+
+    pub fn write_tile(&mut self, names: &[String], values: &PlaceValues, extents: &[Extent]) -> Result<()> {
+        self.0.write(&mut self.1, names, values, extents)
+    }
+
+    pub fn finish(self) -> Result<Stats> {
+        self.1.finish()
+    }
+}
 
 /// Returns a layout of all columns.
 fn all(labels: BinKind) -> Layout {

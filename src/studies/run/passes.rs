@@ -16,8 +16,8 @@ use heliotile_results::outputs::kinds_and_sides::KindsAndSides;
 use heliotile_results::outputs::shapes::writer::MapFormat;
 use heliotile_results::{
     Archives, AreaChart, By, CityModelSink, CoarseSinks, Every, LightChoice, MapFile, Provenance, Question,
-    ReceiverSet, ReplayRequest, Resources, ResultRows, ResultSink, RowsAbout, Series, Sinks, Tile, TileSink,
-    TileStream, name_of,
+    ReceiverSet, ReplayRequest, Resources, ResultSink, RowsAbout, Series, Sinks, Tile, TileSink, TileStream, name_of,
+    rows_of,
 };
 use heliotile_weather::dated::DatedRows;
 use heliotile_weather::series::Weather;
@@ -102,7 +102,7 @@ impl RunResults<'_> {
         let (annual, month) = (of(Every::Total), of(Every::Month));
         let about = annual.about(archives, place);
 
-        let (rows, _) = ResultRows::new(&annual, Question::Irradiance, By::Receiver, place)?;
+        let (rows, _) = rows_of(&annual, Question::Irradiance, By::Receiver, place)?;
         let called = format!("{} under {}", name_of(place), name_of(&asked.weather));
         let told = RowsAbout { called, about: about.clone(), place, scene: None };
         let paths = if with_annual { self.maps() } else { Vec::new() };
@@ -120,8 +120,8 @@ impl RunResults<'_> {
         let model = self.city_model.filter(|_| with_periods);
         let model = model.map(|model| CityModelSink::new(&annual, model, &files.city_model, place));
         let mut model = model.transpose()?;
-        let rows_of = |every: Every| ResultRows::new(&of(every), Question::Irradiance, asked.by, place);
-        let rows = table_periods.iter().map(|every| Ok((*every, rows_of(*every)?)));
+        let of_period = |every: Every| rows_of(&of(every), Question::Irradiance, asked.by, place);
+        let rows = table_periods.iter().map(|every| Ok((*every, of_period(*every)?)));
         let rows = rows.collect::<Result<Vec<_>>>()?;
         let mut tables = Vec::new();
         for (every, (rows, groups)) in &rows {

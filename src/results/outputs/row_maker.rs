@@ -1,78 +1,93 @@
-//! Table of results. In: arrays of values of some places, and the extents of groups. Out: rows in
-//! any format of tables.
+//! Rows of results. In: arrays of values of some places, and the extents of groups. Out: batches of
+//! rows for a table in any format.
 
 use std::borrow::Cow;
 use std::path::Path;
 
 use crate::outputs::groups::Extent;
+use crate::outputs::periods::Every;
 use crate::outputs::provenance::Provenance;
 use crate::outputs::quantities::{ChangeKind, Measure, PlaceValues, Quantity, ValueSource};
 use crate::outputs::tables::batch::{Batch, Values};
 use crate::outputs::tables::bin_labels::BinLabels;
 use crate::outputs::tables::column::Digits;
-use crate::outputs::tables::format::{Format, Places};
+use crate::outputs::tables::format::Places;
 use crate::outputs::tables::layout::{Fact, Layout};
-use crate::outputs::tables::writer::{Stats, TableWriter};
+use crate::outputs::tables::table::Table;
 use heliotile_core::error::Result;
 use heliotile_core::units::tilt_and_azimuth;
 
-/// Table of results being written.
-pub struct ResultTable {
-    table: TableWriter,
-    rows: TableRows,
-    bins: usize,
-}
-
-/// Columns of the rows, and how their values are rounded.
-struct TableRows {
+/// Columns of results, the labels of the rows of each place, and how rows are made.
+#[derive(Clone, Debug)]
+pub struct RowMaker {
     layout: Layout,
-    /// Digits of arrays in a text format. Changes are computed from the rounded numbers, so that
-    /// the printed numbers add up.
-    rounding: Option<Digits>,
+    labels: BinLabels,
+    every: Option<Every>,
 }
 
-impl ResultTable {
-    /// Starts a table in the format given by the ending of its name.
-    pub fn create(path: &Path, layout: &Layout, bins: &BinLabels, places: &Places, about: &Provenance) -> Result<Self> {
-        let table = TableWriter::create(path, layout.columns(bins), *places, Some(about))?;
-        let rounding = (Format::of(path)? == Format::Csv).then(|| layout.digits_of_irradiance());
-        Ok(ResultTable { table, rows: TableRows { layout: layout.clone(), rounding }, bins: bins.len() })
+impl RowMaker {
+    /// Returns rows of these columns and labels; `every` is the period of a row, `None` in a query.
+    pub fn new(layout: Layout, labels: BinLabels, every: Option<Every>) -> Self {
+        RowMaker { layout, labels, every }
     }
 
-    /// Appends the rows of some places. Values of another shape than names x bins are an error,
-    /// and nothing is written then. `extents` has one entry for each group; for receivers it is
-    /// empty, unless the table has their positions.
-    pub fn write_tile(&mut self, names: &[String], values: &PlaceValues, extents: &[Extent]) -> Result<()> {
-        let (came, expected) = ((values.places(), values.bins()), (names.len(), self.bins));
+    /// Returns rows of receivers with their positions, directions and areas.
+    #[must_use]
+    pub fn with_positions(mut self) -> Self {
+        self.layout.facts = Fact::OF_RECEIVERS.to_vec();
+        self
+    }
+
+    /// Returns the columns.
+    pub fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    /// Returns the labels of the rows of a place.
+    pub fn bin_labels(&self) -> &BinLabels {
+        &self.labels
+    }
+
+    /// Returns the period of a row; `None` in a query.
+    pub fn every(&self) -> Option<Every> {
+        self.every
+    }
+
+    /// Starts a table in the format given by the ending of its name.
+    pub fn table(&self, path: &Path, places: &Places, about: &Provenance) -> Result<Table> {
+        Table::create(path, self.layout.columns(&self.labels), *places, Some(about))
+    }
+
+    /// Appends the rows of some places to a table. Values of another shape than names x bins are an
+    /// error, and nothing is written then. `extents` has one entry for each group; for receivers it
+    /// is empty, unless the table has their positions.
+    pub fn write(&self, table: &mut Table, names: &[String], values: &PlaceValues, extents: &[Extent]) -> Result<()> {
+        let (came, expected) = ((values.places(), values.bins()), (names.len(), self.labels.len()));
         if came != expected {
             let what =
                 format!("values of {} places x {} bins do not fit {} x {}", came.0, came.1, expected.0, expected.1);
-            return Err(self.table.defect(what));
+            return Err(table.defect(what));
         }
-        self.table.write(&self.rows.batch(names, values, extents))
+        // Changes are computed from the rounded numbers, so that the printed numbers add up.
+        let rounding = table.is_text().then(|| self.layout.digits_of_irradiance());
+        table.write(&self.batch(names, values, extents, rounding))
     }
 
-    /// Returns true if the reader of the output has gone away: the caller may stop.
-    pub fn is_closed(&self) -> bool {
-        self.table.is_closed()
-    }
-
-    /// Completes the table; its file appears only now.
-    pub fn finish(self) -> Result<Stats> {
-        self.table.finish()
-    }
-}
-
-impl TableRows {
     /// Returns the rows of some receivers, or of groups with their `extents`.
-    fn batch<'v>(&self, names: &'v [String], values: &PlaceValues<'v>, extents: &[Extent]) -> Batch<'v> {
-        let quantities = self.layout.quantities.iter().map(|quantity| self.column(quantity, values));
+    fn batch<'v>(
+        &self,
+        names: &'v [String],
+        values: &PlaceValues<'v>,
+        extents: &[Extent],
+        rounding: Option<Digits>,
+    ) -> Batch<'v> {
+        let quantities = self.layout.quantities.iter().map(|quantity| self.column(quantity, values, rounding));
         let facts = self.layout.facts.iter().map(|fact| self.fact(*fact, values, extents));
         let places = Values::Texts(Cow::Borrowed(names));
         Batch { places: names.len(), values: std::iter::once(places).chain(quantities).chain(facts).collect() }
     }
 
-    fn column<'v>(&self, quantity: &Quantity, values: &PlaceValues<'v>) -> Values<'v> {
+    fn column<'v>(&self, quantity: &Quantity, values: &PlaceValues<'v>, rounding: Option<Digits>) -> Values<'v> {
         if quantity.measure.text(f32::NAN).is_some() {
             let of_place = |place: usize| {
                 let texts = move |bin| quantity.measure.text(values.value(quantity.source, place, bin));
@@ -87,7 +102,7 @@ impl TableRows {
                 places.map(|i| Some(f64::from(value(i))).filter(|value| value.is_finite())).collect(),
             );
         }
-        match (quantity.source, self.rounding) {
+        match (quantity.source, rounding) {
             (ValueSource::Array(number), _) => Values::Floats(Cow::Borrowed(values.array(number))),
             (ValueSource::Change { kind, from, to }, rounding) => {
                 let pairs = values.array(from).iter().zip(values.array(to));
@@ -185,9 +200,9 @@ mod tests {
             Extent { area_m2: Some(4.0), normal: DVec3::new(0.0, -0.5, 0.75_f64.sqrt()), ..Extent::default() },
         ];
         let names = ["roof", "wall"].map(str::to_owned);
-        let rows = TableRows { layout: layout.clone(), rounding: None };
+        let maker = RowMaker::new(layout.clone(), BinLabels::words(vec!["total".into()]), None);
         let values = PlaceValues::of(&[&values], components.as_slice());
-        let rows = rows.batch(&names, &values, &extents);
+        let rows = maker.batch(&names, &values, &extents, None);
         let second: Vec<f32> = rows.values.iter().skip(1).map(|column| column.floats()[1]).collect();
         assert_eq!(second, [500.0, 4.0, 30.0, 180.0, 2000.0]);
         assert_eq!(rows.values[5].floats()[..], [8000.0, 2000.0]);

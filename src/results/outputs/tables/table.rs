@@ -1,14 +1,18 @@
-//! Table in the format given by the ending of its name. In: columns, then batches of rows. Out: a
-//! file, complete or not there.
+//! Table in the format given by the ending of its name. In: columns, then batches of rows, or row by
+//! row. Out: a file, complete or not there.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::outputs::provenance::Provenance;
-use crate::outputs::tables::batch::Batch;
-use crate::outputs::tables::column::TableColumns;
+use crate::outputs::tables::batch::{Batch, Values};
+use crate::outputs::tables::column::{Column, Kind, TableColumns};
 use crate::outputs::tables::format::{Format, FormatWriter, Places, TableRequest};
+use crate::outputs::tables::records::Cell;
 use heliotile_core::error::{Error, Result};
+
+/// Number of single rows that are in memory at a time.
+const ROWS_AT_ONCE: usize = 1 << 15;
 
 /// Statistics of a table that was written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -18,20 +22,51 @@ pub struct Stats {
 }
 
 /// Table being written.
-pub struct TableWriter {
+pub struct Table {
     to: Box<dyn FormatWriter>,
     path: PathBuf,
     columns: Arc<TableColumns>,
     rows: u64,
+    /// Single rows that wait for a batch, and their number.
+    pending: Vec<Values<'static>>,
+    waiting: usize,
 }
 
-impl TableWriter {
+impl Table {
     /// Starts a table in the format given by the ending of its name; `-` is CSV on standard output.
     /// CSV without `about` has no metadata file.
     pub fn create(path: &Path, columns: TableColumns, places: Places, about: Option<&Provenance>) -> Result<Self> {
         let columns = Arc::new(columns);
         let to = Format::of(path)?.start(&TableRequest { path, columns: Arc::clone(&columns), places, about })?;
-        Ok(TableWriter { to, path: path.to_path_buf(), columns, rows: 0 })
+        let pending = empty(&columns);
+        Ok(Table { to, path: path.to_path_buf(), columns, rows: 0, pending, waiting: 0 })
+    }
+
+    /// Starts a table of columns without bins, as [`Table::create`] does; `count` is the number of
+    /// rows that will come.
+    pub fn of_rows(path: &Path, columns: Vec<Column>, count: u64, about: Option<&Provenance>) -> Result<Self> {
+        Table::create(path, TableColumns::new(columns), Places::counted(count), about)
+    }
+
+    /// Appends a row. Fails if the cells do not fit the columns.
+    pub fn row(&mut self, cells: impl IntoIterator<Item = Cell>) -> Result<()> {
+        let mut columns = self.pending.iter_mut();
+        for cell in cells {
+            match (columns.next(), cell) {
+                (Some(Values::Texts(texts)), Cell::Text(text)) => texts.to_mut().push(text),
+                (Some(Values::Counts(counts)), Cell::Count(count)) => counts.push(count),
+                (Some(Values::Numbers(numbers)), Cell::Number(number)) => numbers.push(number),
+                (_, other) => return Err(self.defect(format!("{other:?} fits no column"))),
+            }
+        }
+        self.waiting += 1;
+        if self.waiting == ROWS_AT_ONCE { self.flush() } else { Ok(()) }
+    }
+
+    fn flush(&mut self) -> Result<()> {
+        let values = std::mem::replace(&mut self.pending, empty(&self.columns));
+        let places = std::mem::take(&mut self.waiting);
+        self.write(&Batch { places, values })
     }
 
     /// Appends rows. Fails, and writes nothing, if the values do not fit the columns.
@@ -48,9 +83,9 @@ impl TableWriter {
         Ok(())
     }
 
-    /// Returns the columns of the table.
-    pub fn columns(&self) -> &TableColumns {
-        &self.columns
+    /// Returns true if numbers are written as text.
+    pub fn is_text(&self) -> bool {
+        Format::known(&self.path) == Some(Format::Csv)
     }
 
     /// Returns true if the reader of the output has gone away: the caller may stop.
@@ -59,7 +94,8 @@ impl TableWriter {
     }
 
     /// Completes the table; its file appears only now.
-    pub fn finish(self) -> Result<Stats> {
+    pub fn finish(mut self) -> Result<Stats> {
+        self.flush()?;
         let bytes = self.to.finish()?;
         Ok(Stats { rows: self.rows, bytes })
     }
@@ -68,6 +104,16 @@ impl TableWriter {
     pub fn defect(&self, what: String) -> Error {
         rows_defect(&self.path, what)
     }
+}
+
+/// Returns empty values for each column of a batch.
+fn empty(columns: &TableColumns) -> Vec<Values<'static>> {
+    let of_kind = |kind| match kind {
+        Kind::Text | Kind::Category => Values::Texts(Vec::new().into()),
+        Kind::Count => Values::Counts(Vec::new()),
+        Kind::Number(_) | Kind::Float(_) => Values::Numbers(Vec::new()),
+    };
+    columns.in_batches().map(|column| of_kind(column.kind)).collect()
 }
 
 /// Returns the error for rows that do not fit the table at `path`.
@@ -89,5 +135,5 @@ pub(super) fn failed(path: &Path, error: impl std::error::Error + Send + Sync + 
 }
 
 #[cfg(test)]
-#[path = "writer_tests.rs"]
+#[path = "table_tests.rs"]
 pub(crate) mod tests;

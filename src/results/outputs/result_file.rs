@@ -5,9 +5,10 @@ use std::path::Path;
 
 use crate::outputs::groups::Extent;
 use crate::outputs::quantities::PlaceValues;
-use crate::outputs::result_table::ResultTable;
+use crate::outputs::row_maker::RowMaker;
 use crate::outputs::shapes::writer::{MapFormat, MapStats, MapWriter};
 use crate::outputs::tables::format::Format;
+use crate::outputs::tables::table::Table;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::text::message;
 
@@ -51,31 +52,31 @@ impl ResultFormat {
 }
 
 /// Results being written.
-pub enum ResultWriter<'a> {
-    Table(ResultTable),
+pub enum ResultFile<'a> {
+    Table(&'a RowMaker, Table),
     Map(Box<MapWriter<'a>>),
 }
 
-impl ResultWriter<'_> {
+impl ResultFile<'_> {
     /// Appends the rows of some places; `extents` has one entry for each group and is empty for
     /// receivers.
     pub fn write_tile(&mut self, names: &[String], values: &PlaceValues, extents: &[Extent]) -> Result<()> {
         match self {
-            ResultWriter::Table(table) => table.write_tile(names, values, extents),
-            ResultWriter::Map(map) => map.write_tile(names, values, extents),
+            ResultFile::Table(rows, table) => rows.write(table, names, values, extents),
+            ResultFile::Map(map) => map.write_tile(names, values, extents),
         }
     }
 
     /// Returns true if the reader of the output has gone away: the caller may stop.
     pub fn is_closed(&self) -> bool {
-        matches!(self, ResultWriter::Table(table) if table.is_closed())
+        matches!(self, ResultFile::Table(_, table) if table.is_closed())
     }
 
     /// Completes the file, which appears only now. Returns the statistics of a map.
     pub fn finish(self) -> Result<Option<MapStats>> {
         match self {
-            ResultWriter::Table(table) => table.finish().map(|_| None),
-            ResultWriter::Map(map) => map.finish().map(Some),
+            ResultFile::Table(_, table) => table.finish().map(|_| None),
+            ResultFile::Map(map) => map.finish().map(Some),
         }
     }
 }
