@@ -1,9 +1,9 @@
 //! Attributes of objects: what files state besides geometry. In: JSON values. Out: one flat JSON
 //! object of texts, numbers and truth values, as archives keep it; whether the object still stands.
 
-use std::time::{SystemTime, UNIX_EPOCH};
-
 use heliotile_core::archive::tables::MAX_ATTRIBUTES;
+use jiff::Timestamp;
+use jiff::tz::Offset;
 use serde_json::{Map, Value};
 
 /// Depth to which nested objects are flattened, as in `names.primary` of Overture.
@@ -51,8 +51,8 @@ fn add(all: &mut Map<String, Value>, before: &str, attributes: &Map<String, Valu
 /// Returns true if the attributes state that the object no longer stands today.
 pub(crate) fn is_gone(attributes: &Map<String, Value>) -> bool {
     let ends = attributes.iter().filter(|(name, _)| ENDS.iter().any(|end| name.eq_ignore_ascii_case(end)));
-    let mut ends = ends.filter_map(|(_, value)| date_of(&plain(value)?)).peekable();
-    ends.peek().is_some() && today().is_some_and(|today| ends.any(|end| end < today))
+    let today = today();
+    ends.filter_map(|(_, value)| date_of(&plain(value)?)).any(|end| end < today)
 }
 
 /// Returns the year, month and day of `2018-06-01`, `2018-06` or `2018`, with or without a time;
@@ -65,17 +65,10 @@ fn date_of(text: &str) -> Option<[u64; 3]> {
     Some([year, month?, day?])
 }
 
-/// Returns the year, month and day of today in UTC (Hinnant, "chrono-Compatible Low-Level Date
-/// Algorithms", civil_from_days).
-fn today() -> Option<[u64; 3]> {
-    let days = SystemTime::now().duration_since(UNIX_EPOCH).ok()?.as_secs() / 86_400 + 719_468;
-    let (era, day_of_era) = (days / 146_097, days % 146_097);
-    let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
-    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
-    let from_march = (5 * day_of_year + 2) / 153;
-    let day = day_of_year - (153 * from_march + 2) / 5 + 1;
-    let month = if from_march < 10 { from_march + 3 } else { from_march - 9 };
-    Some([year_of_era + 400 * era + u64::from(month <= 2), month, day])
+/// Returns the year, month and day of today in UTC.
+fn today() -> [u64; 3] {
+    let today = Offset::UTC.to_datetime(Timestamp::now()).date();
+    [today.year().unsigned_abs().into(), today.month().unsigned_abs().into(), today.day().unsigned_abs().into()]
 }
 
 fn plain(value: &Value) -> Option<String> {
@@ -136,7 +129,8 @@ mod tests {
         for (attributes, expected) in cases {
             assert_eq!(is_gone(attributes.as_object().expect("an object")), expected, "{attributes}");
         }
-        assert!(today().is_some_and(|[year, month, day]| year > 2024 && month <= 12 && day <= 31));
+        let [year, month, day] = today();
+        assert!(year > 2024 && month <= 12 && day <= 31);
     }
 
     /// An object of 8 attributes keeps 5, one of them from a nested object and one from a list; of

@@ -2,8 +2,9 @@
 //! `projection` and `file`. In: archives of parts, and the paths of their files. Out: an item for
 //! each and a collection of all, with relative links: the folder may be copied anywhere.
 
-use std::time::SystemTime;
+use std::time::{SystemTime, UNIX_EPOCH};
 
+use jiff::Timestamp;
 use serde_json::{Map, Value, json};
 
 use super::shapes::MapCrs;
@@ -206,6 +207,9 @@ fn around(points: &[[f64; 2]]) -> [f64; 4] {
     })
 }
 
+/// Returns a time as in RFC 3339, in whole seconds; times that no calendar holds become 1970.
 fn time(at: SystemTime) -> String {
-    humantime::format_rfc3339_seconds(at).to_string()
+    let since = at.duration_since(UNIX_EPOCH).unwrap_or_default().as_secs();
+    let at = i64::try_from(since).ok().and_then(|seconds| Timestamp::from_second(seconds).ok());
+    at.unwrap_or_default().to_string()
 }
