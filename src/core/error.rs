@@ -242,6 +242,7 @@ impl Error {
     }
 }
 
+/// `{:#}` leaves out what to do, for a message of its own.
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -295,7 +296,7 @@ impl fmt::Display for Error {
 }
 
 fn to_fix(f: &mut fmt::Formatter<'_>, hint: &Message) -> fmt::Result {
-    if hint.is_empty() { Ok(()) } else { write!(f, "\n  to fix: {}", hint.plain()) }
+    if hint.is_empty() || f.alternate() { Ok(()) } else { write!(f, "\n  to fix: {}", hint.plain()) }
 }
 
 impl std::error::Error for Error {
@@ -318,6 +319,8 @@ mod tests {
         let text = Error::defect(Path::new("a.helio"), "probes/3", "seen", "names no cell").to_string();
         assert!(text.starts_with("a.helio: block probes/3, seen: names no cell: a fault of the program"), "{text}");
         assert_eq!((text.lines().count(), text.contains("heliotile archive verify --deep a.helio")), (2, true));
+        let error = Error::input(Path::new("a.csv"), 2, "no rows", "give one");
+        assert_eq!(format!("{error:#}"), "a.csv, line 2: no rows");
         let error = Error::argument("set, sky", "hit is 3", "leave {set} out, see `{command:info}`");
         let words = |named: Named| match named {
             Named::Field("sky") => None,

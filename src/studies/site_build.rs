@@ -382,7 +382,7 @@ impl SiteBuild<'_> {
         }
         let archive = match Archive::open_with(path, Access::Read) {
             Ok(archive) => archive,
-            Err(error) => return Ok(Found::Other(vec![message!("site.helio cannot be read ({error})")])),
+            Err(error) => return Ok(Found::Other(vec![message!("site.helio cannot be read ({error:#})")])),
         };
         let mut others = Vec::new();
         if archive.manifest().scene.content_hash != format::hex(&self.scene.content_hash()) {

@@ -89,7 +89,8 @@ fn repair_gives_the_same_bytes() {
         if kind == format::RECEIVERS {
             let refused = repair(&[]);
             assert_eq!(refused.status.code(), Some(2));
-            assert!(String::from_utf8_lossy(&refused.stderr).contains("--receivers"));
+            let said = String::from_utf8_lossy(&refused.stderr);
+            assert!(said.contains("--receivers") && said.matches("to fix: ").count() == 1, "{said}");
         }
         let refused = repair(&["-r", &site.path("b.csv").to_string_lossy()]);
         assert_eq!(refused.status.code(), Some(2), "{name}: other receivers");

@@ -144,5 +144,5 @@ class Plan:
 def plan(scene: Scene | str | os.PathLike[str] | Sequence[str | os.PathLike[str]], receivers: Any, **options: Unpack[PlanOptions]) -> Plan:
     """Forecasts the rays and seconds of a build: `heliotile build --dry-run`. Arguments are those of `build`,
     options those of `heliotile.options.PlanOptions`."""
-    keywords = asked("plan", PlanOptions, options, **scene_options(scene)).receivers(receivers)
+    keywords = asked("plan", PlanOptions, options, dry_run=True, **scene_options(scene)).receivers(receivers)
     return Plan(*_heliotile.plan(keywords.args(), options.get("progress")))

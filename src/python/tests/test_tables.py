@@ -181,29 +181,32 @@ def test_every_call_takes_weather_of_a_table(block: heliotile.Archive, frame: pd
     of the sun's paths and a page. Two tables of one name, and a table for EnergyPlus, which reads a file, are refused."""
     written = frame.copy()
     written.insert(0, "time", [stamp.isoformat() for stamp in frame.index])
-    written.to_csv(tmp_path / "weather.csv", index=False)
+    # Pictures show the name of a file that states no place.
+    written.to_csv(tmp_path / "weather", index=False)
     (tmp_path / "scene.obj").write_text("v -50 -50 0\nv 50 -50 0\nv 50 50 0\nv -50 50 0\nusemtl ground\nf 1 2 3 4\n")
     (tmp_path / "points.csv").write_text("point,x,y,z,tilt,azimuth\nsouth,0,0,2,30,180\nflat,5,0,2,0,0\n")
     (tmp_path / "receivers.csv").write_text("receiver,x,y,z,nx,ny,nz\na,0,0,1,0,0,1\nb,1,0,1,0,-1,0\n")
     scene, receivers = heliotile.Scene(tmp_path / "scene.obj", **PLACE), tmp_path / "receivers.csv"
-    zoned = heliotile.Weather(tmp_path / "weather.csv", time_zone=1)
+    zoned = heliotile.Weather(tmp_path / "weather", time_zone=1)
     found = {}
     for name, weather in [("file", zoned), ("table", frame)]:
         folder = tmp_path / name
         ran = heliotile.run(scene, weather, folder / "run", quality="draft", spacing=20.0, on=["ground"])
         modules = heliotile.pv(scene, weather, folder / "pv", points=tmp_path / "points.csv", quality="draft")
-        built = heliotile.build(scene, receivers, folder / "site.helio", error=5.0, error_weather=weather, weather=weather)
+        built = heliotile.build(scene, receivers, folder / "site.helio", error=5.0, error_weather=weather, weather=weather, negligible=0.1)
         tried = heliotile.tradeoff(scene, receivers, folder / "tradeoff", weather=weather, sample=2)
         audited = built.audit(scene, weather=weather, samples=2)
         forecast = heliotile.plan(scene, receivers, weather=weather)
         built.export(folder / "paths.png", "a", weather=weather)
         built.view(folder / "page.html", weather=weather)
         assert b"weather" in (folder / "page.html").read_bytes()
+        pixels = (folder / "paths.png").read_bytes().split(b"IDAT", 1)[1]
         tables = [(folder / "run" / file).read_bytes().split(b"\n", 1)[1] for file in ran.files if file.endswith("annual.csv")]
-        errors = [(step.name, step.error_percent) for step in tried.steps]
-        found[name] = [tables, modules.table, built.root, errors, audited.components, forecast.text.split(" rays")[0], (folder / "paths.png").read_bytes()]
+        errors = [built.built.error_percent, *((step.name, step.error_percent) for step in tried.steps)]
+        light = built.replay(DAYS)["total"].tobytes()
+        found[name] = [tables, modules.table.split("kWh/m2:")[1], light, errors, audited.components, forecast.text.split(" rays")[0], pixels]
     assert found["file"] == found["table"]
     with pytest.raises(heliotile.ArgumentError, match="error_weather: is another table with the name"):
-        heliotile.build(scene, receivers, tmp_path / "two.helio", error=5.0, weather=frame, error_weather=frame * 0.5)
+        heliotile.build(scene, receivers, tmp_path / "two.helio", error=5.0, weather=frame, negligible=0.1, error_weather=frame * 0.5)
     with pytest.raises(heliotile.ArgumentError, match="from a file only"):
         heliotile.energyplus(tmp_path / "model.idf", tmp_path / "out", weather=frame)

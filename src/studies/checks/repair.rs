@@ -136,7 +136,7 @@ impl RepairRequest {
         let Some(path) = &self.receivers else {
             let budget = workspace.memory.length(Use::SortedReceivers);
             let held = held_receivers(archive).map_err(|error| {
-                let what = format!("its receivers are damaged: {error}");
+                let what = format!("its receivers are damaged: {error:#}");
                 Error::input(archive.path(), None, what, "give the receivers file with {receivers}")
             })?;
             return ReceiverTiles::from_receivers(&held, scene.mesh.origin, &workspace.folder, budget);
