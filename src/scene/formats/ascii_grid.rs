@@ -89,7 +89,7 @@ pub(crate) fn parse(bytes: &[u8], file: &Path) -> Result<Raster> {
     let grid = Grid { columns: columns as usize, rows: rows as usize, first, step };
     let (mut meaning, mut warnings) =
         (Meaning { nodata: header.get("nodata_value"), ..Meaning::default() }, Vec::new());
-    sidecar::complete(&mut meaning, file, sidecar::aux(file)?.as_deref(), &mut warnings)?;
+    sidecar::complete(&mut meaning, file, &sidecar::aux(file)?, &mut warnings)?;
     let plane = meaning.plane_unit_m.unwrap_or(1.0);
     let grid = Grid { first: grid.first * plane, step: grid.step * plane, ..grid };
     Raster::new(file, grid, heights, &meaning, warnings)

@@ -2,6 +2,9 @@
 //! `.aux.xml` file (`PAMDataset`). Out: scale, offset, unit of heights and nodata of the first
 //! band.
 
+use std::path::Path;
+
+use super::xml::{Element, Xml};
 use heliotile_place::epsg_numbers::{FOOT_M, US_FOOT_M};
 
 /// Metadata of a band: how its stored numbers become heights.
@@ -18,35 +21,24 @@ impl BandNotes {
     /// Returns the items of the first band in the XML of the tag (GDAL, "GTiff driver", metadata of
     /// bands: `sample` counts from 0).
     pub(super) fn of_tag(xml: &str) -> BandNotes {
-        let mut notes = BandNotes::default();
-        for item in xml.split("<Item").skip(1) {
-            let Some((head, rest)) = item.split_once('>') else { continue };
-            let value = rest.split('<').next().unwrap_or_default().trim();
+        let (mut notes, mut reader) = (BandNotes::default(), reader(xml));
+        let Ok(Some(_)) = reader.child() else { return notes };
+        children(&mut reader, |item, value| {
             // An item without a sample is a note of the user's own.
-            if attribute(head, "sample") != Some("0") {
-                continue;
+            if item.attribute("sample") == Some("0") {
+                notes.take(&item.attribute("role").unwrap_or_default().to_lowercase(), value);
             }
-            match attribute(head, "role").unwrap_or_default().to_lowercase().as_str() {
-                "scale" => notes.scale = value.parse().ok(),
-                "offset" => notes.offset = value.parse().ok(),
-                "unittype" => notes.unit = Some(unescaped(value)).filter(|unit| !unit.is_empty()),
-                _ => {}
-            }
-        }
+        });
         notes
     }
 
-    /// Returns the notes on the first band of a `PAMDataset` (GDAL, "Persistent Auxiliary
-    /// Metadata").
-    pub(super) fn of_aux(xml: &str) -> BandNotes {
-        let Some((_, band)) = xml.split_once("<PAMRasterBand band=\"1\"") else { return BandNotes::default() };
-        let band = band.split("</PAMRasterBand>").next().unwrap_or_default();
-        let number = |name| element(band, name).and_then(|text| text.trim().parse().ok());
-        BandNotes {
-            scale: number("Scale"),
-            offset: number("Offset"),
-            unit: element(band, "UnitType").map(|unit| unescaped(unit.trim())).filter(|unit| !unit.is_empty()),
-            nodata: number("NoDataValue"),
+    fn take(&mut self, name: &str, value: &str) {
+        match name {
+            "scale" => self.scale = value.parse().ok(),
+            "offset" => self.offset = value.parse().ok(),
+            "unittype" => self.unit = Some(value.to_owned()).filter(|unit| !unit.is_empty()),
+            "nodatavalue" => self.nodata = value.parse().ok(),
+            _ => {}
         }
     }
 
@@ -61,26 +53,51 @@ impl BandNotes {
     }
 }
 
-/// Returns the text of the first element called `name`, unchanged.
-pub(super) fn element<'x>(xml: &'x str, name: &str) -> Option<&'x str> {
-    let (_, behind) = xml.split_once(&format!("<{name}"))?;
-    let (head, behind) = behind.split_once('>')?;
-    // Skips a longer name that begins alike, and an element without content.
-    if head.ends_with('/') || head.starts_with(|c: char| c.is_alphanumeric()) {
-        return None;
+/// Statements of a `.aux.xml` file about a raster (GDAL, "Persistent Auxiliary Metadata").
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct AuxNotes {
+    /// Coordinate system, in well-known text.
+    pub srs: Option<String>,
+    /// The six numbers of the geotransform, separated by commas.
+    pub transform: Option<String>,
+    /// Notes on the first band.
+    pub band: BandNotes,
+}
+
+impl AuxNotes {
+    /// Returns what the `PAMDataset` states; of broken XML, what stands before the break.
+    pub(super) fn of(xml: &str) -> AuxNotes {
+        let (mut notes, mut reader) = (AuxNotes::default(), reader(xml));
+        let Ok(Some(_)) = reader.child() else { return notes };
+        while let Ok(Some(element)) = reader.child() {
+            let is_first = element.name == "PAMRasterBand" && element.attribute("band") == Some("1");
+            let done = match element.name.as_str() {
+                "SRS" => reader.words().map(|text| notes.srs = Some(text)),
+                "GeoTransform" => reader.words().map(|text| notes.transform = Some(text)),
+                _ if is_first => {
+                    children(&mut reader, |part, value| notes.band.take(&part.name.to_lowercase(), value));
+                    Ok(())
+                }
+                _ => reader.skip(),
+            };
+            if done.is_err() {
+                break;
+            }
+        }
+        notes
     }
-    behind.split_once(&format!("</{name}>")).map(|(text, _)| text)
 }
 
-fn attribute<'x>(head: &'x str, name: &str) -> Option<&'x str> {
-    let (_, behind) = head.split_once(&format!(" {name}=\""))?;
-    behind.split('"').next()
+fn reader(xml: &str) -> Xml<'_> {
+    Xml::new(Box::new(xml.as_bytes()), Path::new(""))
 }
 
-/// Returns text with the five entities of XML replaced by their characters.
-pub(super) fn unescaped(text: &str) -> String {
-    let plain = text.replace("&lt;", "<").replace("&gt;", ">").replace("&quot;", "\"").replace("&apos;", "'");
-    plain.replace("&amp;", "&")
+/// Calls `take` with each child of the current element, and the child's text.
+fn children(reader: &mut Xml, mut take: impl FnMut(&Element, &str)) {
+    while let Ok(Some(element)) = reader.child() {
+        let Ok(text) = reader.words() else { return };
+        take(&element, &text);
+    }
 }
 
 /// Returns the length in metres of a unit, by its name as GIS programs write it.
@@ -105,11 +122,11 @@ mod tests {
     use super::*;
 
     /// A tag with items of two bands gives the scale 0.1, the offset 50 and the unit of the first
-    /// band. Broken items give nothing.
+    /// band, in quotes of either kind. Broken items give nothing.
     #[test]
     fn only_items_of_the_first_band_are_read() {
         let xml = "<GDALMetadata>\n<Item name=\"AREA\">7</Item><Item name=\"SCALE\" sample=\"1\" role=\"scale\">9</Item>\
-                   <Item name=\"SCALE\" sample=\"0\" role=\"scale\"> 0.1 </Item><Item name=\"OFFSET\" sample=\"0\" role=\"offset\">50</Item>\
+                   <Item name='SCALE' sample='0' role='scale'> 0.1 </Item><Item name=\"OFFSET\" sample=\"0\" role=\"offset\">50</Item>\
                    <Item name=\"UNITTYPE\" sample=\"0\" role=\"unittype\">US survey foot</Item></GDALMetadata>";
         let notes = BandNotes::of_tag(xml);
         let unit = Some("US survey foot".to_owned());
@@ -117,7 +134,7 @@ mod tests {
         for broken in [
             "",
             "<Item",
-            "<Item name=\"SCALE\" sample=\"0\" role=\"scale\">x</Item>",
+            "<GDALMetadata><Item name=\"SCALE\" sample=\"0\" role=\"scale\">x</Item></GDALMetadata>",
             "<Item>",
             "<Item name=\"scale\">7</Item>",
         ] {
@@ -125,20 +142,26 @@ mod tests {
         }
     }
 
-    /// An `.aux.xml` file states nodata -1, offset 5, scale 2 and feet; the raster's own statement
-    /// comes first.
+    /// An `.aux.xml` file states nodata -1, offset 5, scale 2 and feet, behind elements whose names
+    /// begin alike; the raster's own statement comes first. What stands before a break counts.
     #[test]
     fn an_aux_xml_file_states_nodata_scale_and_unit() {
-        let xml = "<PAMDataset><SRS dataAxisToSRSAxisMapping=\"1,2\">LOCAL</SRS><PAMRasterBand band=\"1\"><NoDataValue>-1</NoDataValue>\
+        let xml = "<PAMDataset><SRSOther>x</SRSOther><SRS dataAxisToSRSAxisMapping=\"1,2\">LOCAL&lt;</SRS>\
+                   <PAMRasterBand band='2'><Scale>9</Scale></PAMRasterBand>\
+                   <PAMRasterBand band='1'><NoDataValueOther>7</NoDataValueOther><NoDataValue>-1</NoDataValue>\
                    <UnitType>ft</UnitType><Offset>5</Offset><Scale>2</Scale></PAMRasterBand></PAMDataset>";
-        let notes = BandNotes::of_aux(xml);
+        let AuxNotes { srs, transform, band: notes } = AuxNotes::of(xml);
         assert_eq!(
             (notes.nodata, notes.offset, notes.scale, notes.unit.as_deref()),
             (Some(-1.0), Some(5.0), Some(2.0), Some("ft"))
         );
         assert_eq!(BandNotes { scale: Some(0.1), ..BandNotes::default() }.or(notes).scale, Some(0.1));
-        assert_eq!((element(xml, "SRS"), element(xml, "Unit")), (Some("LOCAL"), None));
-        assert_eq!(BandNotes::of_aux("<PAMDataset/>"), BandNotes::default());
+        assert_eq!((srs.as_deref(), transform), (Some("LOCAL<"), None));
+        for (end, xml) in (0..xml.len()).filter_map(|end| Some((end, xml.get(..end)?))) {
+            let cut = AuxNotes::of(xml);
+            assert!(cut.srs.is_none() || end > 80, "{xml}");
+        }
+        assert_eq!(AuxNotes::of("<PAMDataset/>"), AuxNotes::default());
     }
 
     /// Six spellings of units give their metres; a name that is no length gives `None`.

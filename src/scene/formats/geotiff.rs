@@ -13,7 +13,7 @@ use tiff::decoder::{ChunkType, Decoder, DecodingResult, Limits};
 use tiff::tags::{CompressionMethod, Tag};
 use tiff::{TiffError, TiffUnsupportedError};
 
-use crate::formats::gdal_metadata::{BandNotes, metres_of_unit};
+use crate::formats::gdal_metadata::{AuxNotes, BandNotes, metres_of_unit};
 use crate::formats::geokeys::GeoKeys;
 use crate::formats::sidecar;
 use crate::formats::tiff_directory;
@@ -130,9 +130,9 @@ pub(crate) fn parse(bytes: &[u8], file: &Path) -> Result<Raster> {
     }
     let mut warnings = Vec::new();
     let aux = sidecar::aux(file)?;
-    let (grid, mut meaning) = georeference(&mut tiff, file, aux.as_deref(), &mut warnings)?;
+    let (grid, mut meaning) = georeference(&mut tiff, file, &aux, &mut warnings)?;
     let notes = BandNotes::of_tag(&text_of(&mut tiff, Tag::Unknown(GDAL_METADATA)));
-    let notes = notes.or(sidecar::notes_of_aux(aux.as_deref()));
+    let notes = notes.or(aux.band);
     meaning.nodata = nodata(&mut tiff, file, &mut warnings).or(notes.nodata);
     (meaning.scale, meaning.offset) = (notes.scale, notes.offset.unwrap_or_default());
     if let Some(unit) = &notes.unit {
@@ -218,12 +218,7 @@ fn nodata(tiff: &mut Tiff, file: &Path, warnings: &mut Vec<Message>) -> Option<f
 }
 
 /// Returns the position of the samples, and the meaning of their numbers.
-fn georeference(
-    tiff: &mut Tiff,
-    file: &Path,
-    aux: Option<&str>,
-    warnings: &mut Vec<Message>,
-) -> Result<(Grid, Meaning)> {
+fn georeference(tiff: &mut Tiff, file: &Path, aux: &AuxNotes, warnings: &mut Vec<Message>) -> Result<(Grid, Meaning)> {
     let (columns, rows) = tiff.dimensions().map_err(|e| refused(file, "its size", &e))?;
     let mut doubles = |tag: Tag| -> Vec<f64> {
         let found = tiff.find_tag(tag).ok().flatten();
@@ -234,7 +229,7 @@ fn georeference(
     let parameters = doubles(Tag::GeoDoubleParamsTag);
     // The georeference in the raster itself comes before the files beside it.
     let stated = (scale.len() >= 2 && ties.len() >= 6) || transformation.len() >= 8;
-    let beside = if stated { None } else { sidecar::world_file(file)?.or_else(|| sidecar::place_of_aux(aux?)) };
+    let beside = if stated { None } else { sidecar::world_file(file)?.or_else(|| sidecar::place_of_aux(aux)) };
     let refuse = |what: &'static str, hint: &'static str| Err(Error::input(file, None, what, hint));
     // Scale with tie point, and transformation, both lead to the position of corner (or sample) 0,
     // 0 and a step east and south.

@@ -30,6 +30,7 @@ mod test_solids;
 mod tiff_directory;
 mod unread;
 mod wkt;
+mod xml;
 
 use std::collections::BTreeSet;
 use std::path::Path;

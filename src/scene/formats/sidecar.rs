@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec2;
 
-use crate::formats::gdal_metadata::{BandNotes, element, unescaped};
+use crate::formats::gdal_metadata::AuxNotes;
 use crate::formats::wkt::TextSystem;
 use crate::terrain::raster::{Meaning, degrees, geocentric};
 use crate::text::{excerpt, utf8};
@@ -64,9 +64,8 @@ pub(super) fn world_file(raster: &Path) -> Result<Option<WorldFile>> {
 
 /// Returns the position of a raster by the `GeoTransform` of its `.aux.xml`; `None` if it is absent
 /// or rotated.
-pub(super) fn place_of_aux(aux: &str) -> Option<WorldFile> {
-    let numbers: Vec<f64> =
-        element(aux, "GeoTransform")?.split(',').map_while(|word| word.trim().parse().ok()).collect();
+pub(super) fn place_of_aux(aux: &AuxNotes) -> Option<WorldFile> {
+    let numbers: Vec<f64> = aux.transform.as_ref()?.split(',').map_while(|word| word.trim().parse().ok()).collect();
     match numbers.as_slice() {
         [x, wide, turned, y, other, high] if *turned == 0.0 && *other == 0.0 && *wide > 0.0 && *high < 0.0 => {
             let step = DVec2::new(*wide, -*high);
@@ -76,11 +75,11 @@ pub(super) fn place_of_aux(aux: &str) -> Option<WorldFile> {
     }
 }
 
-/// Returns the text of the `.aux.xml` of a raster, which is named after the raster's whole name.
-pub(super) fn aux(raster: &Path) -> Result<Option<String>> {
-    let Some(name) = raster.file_name().map(|name| name.to_string_lossy()) else { return Ok(None) };
+/// Returns the notes in the `.aux.xml` of a raster, which is named after the raster's whole name.
+pub(super) fn aux(raster: &Path) -> Result<AuxNotes> {
+    let Some(name) = raster.file_name().map(|name| name.to_string_lossy()) else { return Ok(AuxNotes::default()) };
     let path = raster.with_file_name(format!("{}.aux.xml", input::without_packing(&name)));
-    if path.is_file() { text_of(&path).map(Some) } else { Ok(None) }
+    if path.is_file() { text_of(&path).map(|xml| AuxNotes::of(&xml)) } else { Ok(AuxNotes::default()) }
 }
 
 /// Completes `meaning` from the `.prj` or `.aux.xml` beside a raster: its coordinate system and its
@@ -88,15 +87,15 @@ pub(super) fn aux(raster: &Path) -> Result<Option<String>> {
 pub(super) fn complete(
     meaning: &mut Meaning,
     raster: &Path,
-    aux: Option<&str>,
+    aux: &AuxNotes,
     warnings: &mut Vec<Message>,
 ) -> Result<()> {
     if meaning.reference.is_some() {
         return Ok(());
     }
-    let (path, text) = match (beside(raster, &["prj"]), aux.and_then(|aux| element(aux, "SRS"))) {
+    let (path, text) = match (beside(raster, &["prj"]), &aux.srs) {
         (Some(path), _) => (path.clone(), text_of(&path)?),
-        (None, Some(text)) => (raster.to_owned(), unescaped(text)),
+        (None, Some(text)) => (raster.to_owned(), text.clone()),
         (None, None) => return Ok(()),
     };
     let shown = path.display();
@@ -122,9 +121,4 @@ pub(super) fn complete(
     meaning.plane_unit_m = meaning.plane_unit_m.or(system.plane_unit_m);
     meaning.height_unit_m = meaning.height_unit_m.or(system.height_unit_m);
     Ok(())
-}
-
-/// Returns the notes on the first band in the text of an `.aux.xml`.
-pub(super) fn notes_of_aux(aux: Option<&str>) -> BandNotes {
-    aux.map_or_else(BandNotes::default, BandNotes::of_aux)
 }

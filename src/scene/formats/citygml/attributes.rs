@@ -4,7 +4,7 @@
 use serde_json::{Map, Value};
 
 use crate::formats::citygml::scan::Scan;
-use crate::formats::citygml::xml::Element;
+use crate::formats::xml::Element;
 use heliotile_core::error::Result;
 
 /// Properties of CityGML 2.0 and 3.0 that are attributes.

@@ -3,8 +3,8 @@
 
 use crate::formats::citygml::coordinates::Unusable;
 use crate::formats::citygml::scan::Scan;
-use crate::formats::citygml::xml::Element;
 use crate::formats::cityjson::templates::MAX_CORNERS;
+use crate::formats::xml::Element;
 use glam::DVec3;
 use heliotile_core::error::{Error, Result};
 

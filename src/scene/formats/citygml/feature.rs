@@ -9,9 +9,9 @@ use glam::{DMat4, DVec3};
 use crate::formats::citygml::attributes::Attributes;
 use crate::formats::citygml::drawing::{Around, LINES};
 use crate::formats::citygml::scan::Scan;
-use crate::formats::citygml::xml::Element;
 use crate::formats::cityjson::document::Lod;
 use crate::formats::cityjson::templates::matrix;
+use crate::formats::xml::Element;
 use heliotile_core::error::{Error, Result};
 
 /// A city object, or a part of one.

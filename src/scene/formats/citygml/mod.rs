@@ -45,7 +45,6 @@ mod srs_name;
 mod store;
 #[cfg(test)]
 mod tests;
-mod xml;
 
 use std::cell::RefCell;
 use std::collections::BTreeSet;
@@ -56,6 +55,7 @@ use crate::formats::Asked;
 use crate::formats::cityjson::frame::Frame;
 use crate::formats::cityjson::objects::Reader;
 use crate::formats::cityjson::{finish, level};
+use crate::formats::xml::Xml;
 use crate::geometry::Geometry;
 use coordinates::Coordinates;
 use heliotile_core::error::{Error, Result};
@@ -65,7 +65,6 @@ use heliotile_files::input::budget::WorkBudget;
 use levels::Levels;
 use library::Library;
 use scan::{Draft, MEND, Scan};
-use xml::Xml;
 
 /// Endings of CityGML file names.
 pub(super) const ENDINGS: [&str; 3] = ["gml", "citygml", "xml"];

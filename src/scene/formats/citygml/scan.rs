@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::formats::citygml::coordinates::Coordinates;
 use crate::formats::citygml::feature::Feature;
 use crate::formats::citygml::store::Store;
-use crate::formats::citygml::xml::{Element, Xml};
+use crate::formats::xml::{Element, Xml};
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
 

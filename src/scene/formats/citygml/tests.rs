@@ -10,7 +10,7 @@ use crate::formats;
 use crate::formats::citygml::coordinates::Coordinates;
 use crate::formats::citygml::read_all;
 use crate::formats::citygml::scan::Scan;
-use crate::formats::citygml::xml::Xml;
+use crate::formats::xml::Xml;
 use crate::formats::{Asked, Content};
 use crate::geometry::Geometry;
 use crate::polygon::area_vector_of;

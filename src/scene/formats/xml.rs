@@ -21,7 +21,8 @@ const DEEPEST: usize = 100;
 const LONGEST: usize = 64 << 20;
 
 /// Attributes that are kept, by their local names.
-const KEPT: [&str; 7] = ["id", "href", "srsName", "srsDimension", "orientation", "name", "uom"];
+const KEPT: [&str; 10] =
+    ["id", "href", "srsName", "srsDimension", "orientation", "name", "uom", "band", "sample", "role"];
 
 const CUT_OFF: &str = "copy or export the file again: it is damaged or cut off";
 
@@ -152,7 +153,7 @@ impl<'f> Xml<'f> {
                 *depth += 1;
                 if *depth > DEEPEST {
                     let what = format!("elements are nested more than {DEEPEST} deep");
-                    return Err(Error::input(file, *line, what, "export the file again: it is not valid CityGML"));
+                    return Err(Error::input(file, *line, what, "export the file again: it is not valid"));
                 }
                 Piece::Open(element(&tag, *line))
             }
