@@ -1,5 +1,7 @@
 //! Calendar dates of weather rows: proleptic Gregorian, standard time, no daylight saving.
 
+use jiff::{SignedDuration, civil};
+
 /// A calendar date that exists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Date {
@@ -14,8 +16,8 @@ pub struct Date {
 /// Julian day number of 1970-01-01 00:00 UT.
 const JULIAN_DAY_OF_1970: f64 = 2_440_587.5;
 
-/// Number of days after which the calendar repeats.
-const DAYS_OF_400_YEARS: i32 = 146_097;
+/// Day number 0.
+const DAY_0: civil::Date = civil::date(1970, 1, 1);
 
 /// Seconds of a day.
 const DAY_S: f64 = 86_400.0;
@@ -27,8 +29,22 @@ impl Date {
     /// Returns a date that exists, in the years 1 to 2999 (the range of the delta T estimate ends
     /// in 3000).
     pub fn new(year: i32, month: u32, day: u32) -> Option<Self> {
-        let exists = (1..3000).contains(&year) && day >= 1 && day <= days_in_month(year, month);
+        let exists = (1..3000).contains(&year) && civil_of(year, month, day).is_some();
         exists.then_some(Date { year, month, day })
+    }
+
+    /// Returns the date in the calendar of the library of time. Every date that can be made exists
+    /// there.
+    fn civil(self) -> civil::Date {
+        civil_of(self.year, self.month, self.day).unwrap_or(DAY_0)
+    }
+
+    fn of_civil(date: civil::Date) -> Self {
+        Date {
+            year: date.year().into(),
+            month: date.month().unsigned_abs().into(),
+            day: date.day().unsigned_abs().into(),
+        }
     }
 
     /// Year for weather that names none. It starts on a Sunday, as files of EnergyPlus say, and has
@@ -42,7 +58,7 @@ impl Date {
 
     /// Returns the day of the year: 1 on 1 January, 366 on 31 December of a leap year.
     pub fn day_of_year(self) -> u32 {
-        (1..self.month).map(|m| days_in_month(self.year, m)).sum::<u32>() + self.day
+        self.civil().day_of_year().unsigned_abs().into()
     }
 
     /// Returns the Julian date (UT) of `minutes` after the local midnight that starts this date, in
@@ -53,11 +69,7 @@ impl Date {
 
     /// Returns the days from 1970-01-01 to this date, negative before.
     pub fn day_number(self) -> i32 {
-        let years_before = self.year - 1;
-        let whole = |years| years_before.div_euclid(years);
-        let leap_days = whole(4) - whole(100) + whole(400);
-        // 1 January of the year 1 lies 719,162 days before 1970-01-01.
-        years_before * 365 + leap_days + self.day_of_year() as i32 - 719_163
+        (self.civil().duration_since(DAY_0).as_secs() / DAY_S as i64) as i32
     }
 
     /// Returns the moment `minutes` after the midnight that starts this date, to the second: its
@@ -66,30 +78,15 @@ impl Date {
     pub fn after(self, minutes: f64) -> (Self, f64) {
         let seconds = (60.0 * minutes).round();
         let days = (seconds / DAY_S).floor();
-        let number = self.day_number().saturating_add(days as i32);
-        let years_on = |years| {
-            let same = Date::of_day_number(number.saturating_add(years / 400 * DAYS_OF_400_YEARS))?;
-            Some(Date { year: same.year - years, ..same })
-        };
-        let date = years_on(0).or_else(|| years_on(-400)).or_else(|| years_on(400));
+        let date = self.civil().checked_add(of_days(days as i64)).ok().map(Date::of_civil);
+        let date = date.filter(|date| (0..=3000).contains(&date.year));
         (date.unwrap_or(self), (seconds - DAY_S * days) / 60.0)
     }
 
     /// Returns the date of a [`Date::day_number`], in the years 1 to 2999.
     pub fn of_day_number(days: i32) -> Option<Self> {
-        // An estimate one year too early is corrected by the search.
-        let about = (i64::from(days) + 719_162) * 400 / i64::from(DAYS_OF_400_YEARS);
-        (i32::try_from(about).ok()?.max(1)..3000).find_map(|year| {
-            let first = Date::new(year, 1, 1)?;
-            let mut left = u32::try_from(days.checked_sub(first.day_number())?).ok()?;
-            let month = (1..=12).find(|&month| {
-                let length = days_in_month(year, month);
-                let here = left < length;
-                left -= if here { 0 } else { length };
-                here
-            })?;
-            Date::new(year, month, left + 1)
-        })
+        let date = Date::of_civil(DAY_0.checked_add(of_days(days.into())).ok()?);
+        Date::new(date.year, date.month, date.day)
     }
 
     /// Returns `YYYY-MM-DDTHH:MM`, for minutes of this date (0..1440).
@@ -102,7 +99,7 @@ impl Date {
     /// different years. Years are not compared, 29 February may be absent, and 31 December is
     /// followed by 1 January.
     pub fn is_followed_by(self, next: Date) -> bool {
-        let last = days_in_month(self.year, self.month);
+        let last: u32 = self.civil().days_in_month().unsigned_abs().into();
         if next.month == self.month {
             return next.day == self.day + 1;
         }
@@ -111,15 +108,13 @@ impl Date {
     }
 }
 
-fn days_in_month(year: i32, month: u32) -> u32 {
-    let leap = year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
-    match month {
-        1 | 3 | 5 | 7 | 8 | 10 | 12 => 31,
-        4 | 6 | 9 | 11 => 30,
-        2 if leap => 29,
-        2 => 28,
-        _ => 0,
-    }
+/// Returns the length of whole days.
+fn of_days(days: i64) -> SignedDuration {
+    SignedDuration::from_hours(days.saturating_mul(24).clamp(i64::MIN / 3600, i64::MAX / 3600))
+}
+
+fn civil_of(year: i32, month: u32, day: u32) -> Option<civil::Date> {
+    civil::Date::new(year.try_into().ok()?, month.try_into().ok()?, day.try_into().ok()?).ok()
 }
 
 #[cfg(test)]
