@@ -37,7 +37,8 @@ pub fn prepared<R: Request + Default>(
 }
 
 /// Returns the fields that change values with their texts, or with those of their defaults, for
-/// the provenance of results.
+/// the provenance of results. The default of a field that belongs to another one counts only if
+/// that one is given.
 pub fn stated(rows: &[Row], given: &Given) -> Map<String, Value> {
     let texts = |row: &Row| given.iter().find(|(name, _)| name == row.name).map(|(_, texts)| texts.clone());
     let value = |row: &Row| {
@@ -45,7 +46,8 @@ pub fn stated(rows: &[Row], given: &Given) -> Map<String, Value> {
         if row.many == Many::Flag {
             return typed.map(|_| Value::Bool(true));
         }
-        let all = typed.or_else(|| row.default_texts())?;
+        let counts = row.requires.is_empty() || given.iter().any(|(name, _)| row.requires.contains(&name.as_str()));
+        let all = typed.or_else(|| row.default_texts().filter(|_| counts))?;
         let all: Vec<Value> = all.iter().map(|text| value_of(&without_secrets(text))).collect();
         match row.many {
             Many::List => Some(Value::Array(all)),
