@@ -178,6 +178,23 @@ impl Error {
         self
     }
 
+    /// Returns the name of the kind.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Error::Input { .. } => "input",
+            Error::Argument { .. } => "argument",
+            Error::Incomplete { .. } => "incomplete",
+            Error::Stopped { .. } => "stopped",
+            Error::Io { source, .. } if source.kind() == io::ErrorKind::NotFound => "missing-file",
+            Error::Io { .. } => "file",
+            Error::Corrupt { .. } => "corrupt",
+            Error::SourceChanged { .. } => "changed",
+            Error::Defect { .. } => "defect",
+            Error::Unsupported { .. } => "unsupported",
+            Error::Limit { .. } => "limit",
+        }
+    }
+
     /// Returns the kind of the problem of an input file or of an argument.
     pub fn problem(&self) -> Option<&Problem> {
         match self {

@@ -25,7 +25,7 @@ pub fn program(words: &[OsString]) -> u8 {
             commands::exit_code()
         }
         Err(error) => {
-            commands::complain(&format!("heliotile: {}\n", cli::worded(error)));
+            commands::complain(&cli::report(error));
             2
         }
     }

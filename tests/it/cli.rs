@@ -58,17 +58,44 @@ impl Folder {
         self.run("build scene.obj --materials materials.toml --receivers receivers.csv -o site.helio")
     }
 
-    /// Runs a command that must fail with exit code 2 and a message that holds every one of
-    /// `parts`.
+    /// Runs a command that must fail with exit code 2 and a message about every one of `parts`:
+    /// names of fields and files, values, and kinds as [`refusal`] gives them.
+    #[track_caller]
     pub fn refused(&self, arguments: &str, parts: &[&str]) {
-        let output = self.run(arguments);
-        let message = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(2), "{arguments}: {message}");
+        let output = self.command(arguments).env("HELIOTILE_ERRORS", "json").output().expect("the program");
+        let found = refusal(&output);
+        record(arguments, parts, &found);
+        assert_eq!(output.status.code(), Some(2), "{arguments}: {found}");
         for part in parts {
-            assert!(message.contains(part), "{arguments}: `{part}` is not in: {message}");
+            assert!(found.contains(part), "{arguments}: `{part}` is not in: {found}");
         }
-        assert!(!message.contains("panicked") && message.matches("to fix: ").count() <= 1, "{message}");
+        assert!(!found.contains("panicked") && !found.contains("{command:"), "{found}");
     }
+}
+
+/// Returns the kind and the problem of the error that ended a program, its fields, its file and its
+/// line, such as `input no-column a.csv line 3`; and on further lines its message.
+pub fn refusal(output: &Output) -> String {
+    let said = stderr(output);
+    let json = said.lines().rev().find_map(|line| serde_json::from_str::<serde_json::Value>(line).ok());
+    let Some(facts) = json else { return said };
+    let text = |name: &str| facts[name].as_str().unwrap_or_default().to_owned();
+    let fields: Vec<&str> =
+        facts["fields"].as_array().into_iter().flatten().filter_map(|field| field.as_str()).collect();
+    let line = facts["line"].as_u64().map_or(String::new(), |line| format!("line {line}"));
+    let about = [text("kind"), text("problem"), fields.join(" "), text("file"), line];
+    let about: Vec<String> = about.into_iter().filter(|word| !word.is_empty()).collect();
+    format!("{}\n{}\n{}", about.join(" "), text("message"), text("fix"))
+}
+
+#[track_caller]
+fn record(arguments: &str, parts: &[&str], found: &str) {
+    use std::io::Write as _;
+    let Some(path) = std::env::var_os("RECORD_REFUSALS") else { return };
+    let at = std::panic::Location::caller();
+    let line = serde_json::json!({"file": at.file(), "line": at.line(), "column": at.column(), "arguments": arguments, "parts": parts, "found": found});
+    let mut file = fs::OpenOptions::new().create(true).append(true).open(path).expect("a file");
+    writeln!(file, "{line}").expect("written");
 }
 
 pub fn stdout(output: &Output) -> String {

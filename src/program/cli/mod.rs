@@ -17,7 +17,7 @@ use clap_complete::Shell;
 use heliotile::cases::{self, Given};
 
 pub use self::commands::given;
-pub use self::line::{EverywhereArgs, again, option_of, parse, quoted, worded, worded_text};
+pub use self::line::{EverywhereArgs, again, option_of, parse, quoted, report, worded_text};
 
 /// A command line.
 pub struct Cli {

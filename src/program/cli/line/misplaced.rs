@@ -8,7 +8,9 @@ use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
 use clap::{ArgMatches, Command, FromArgMatches};
 
 use super::invocation::provenance;
+use super::report::report_usage;
 use crate::cli::{Asked, Cli, EverywhereArgs, command_line, command_line_with, given, named};
+use crate::commands::complain;
 use heliotile::Provenance;
 use heliotile::cases;
 
@@ -27,6 +29,10 @@ pub fn parse(words: &[OsString]) -> (Cli, Provenance) {
     parsed.unwrap_or_else(|mut error| {
         if let Some(hint) = command_first(&error, words).or_else(|| of_others(&error)) {
             error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![hint.into()]));
+        }
+        if let Some(said) = report_usage(&error) {
+            complain(&said);
+            std::process::exit(error.exit_code());
         }
         error.exit()
     })
