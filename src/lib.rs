@@ -12,9 +12,9 @@
 //!     // Files of the world: CityJSON, terrain, OBJ, glTF, EnergyPlus, Honeybee.
 //!     let scene = SceneRequest::of(["block.city.json"]);
 //!     // Receivers on its roofs, walls and windows, traced once into out/site.helio.
-//!     let archive = SiteArchiveRequest::of(scene, "out").build(&Silent)?;
+//!     let archive = SiteArchiveRequest::new(scene, "out").build(&Silent)?;
 //!     // A year of weather; nothing is traced.
-//!     let year = ReplayRequest::of("rotterdam.epw");
+//!     let year = ReplayRequest::new("rotterdam.epw");
 //!     for receiver in Site::open(archive)?.totals(&year, &Resources::usual())? {
 //!         println!("{}: {:.0} kWh/m2", receiver.id, receiver.kwh_m2);
 //!     }

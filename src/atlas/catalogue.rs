@@ -60,7 +60,7 @@ pub fn catalogue(atlas: &Path, request: &CatalogueRequest, about: Provenance, ob
         observer
             .warn("the atlas has no place on Earth, so items have no footprint: partition the region again with {crs}");
     }
-    let pictures = Thumbnails::of(&done.iter().map(|(_, path)| path.as_path()).collect::<Vec<_>>(), about)?;
+    let pictures = Thumbnails::new(&done.iter().map(|(_, path)| path.as_path()).collect::<Vec<_>>(), about)?;
     if pictures.without() > 0 {
         let parts = counted(pictures.without() as u64, "part");
         observer.warn(message!(

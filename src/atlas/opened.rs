@@ -46,7 +46,7 @@ pub struct Atlas {
 /// `high`, the square of the part of this name.
 pub fn check_square(archive: &Archive, part: &str, low: DVec2, high: DVec2, reach_m: f64) -> Result<()> {
     let within = [(low - reach_m).extend(f64::NEG_INFINITY), (high + reach_m).extend(f64::INFINITY)];
-    if tiles_within(&OpenSite::of(archive)?, within)?.len() == archive.tiles() as usize {
+    if tiles_within(&OpenSite::open(archive)?, within)?.len() == archive.tiles() as usize {
         return Ok(());
     }
     let what = format!("holds receivers outside the square of part {part}");

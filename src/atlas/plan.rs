@@ -364,7 +364,7 @@ mod tests {
             frame,
             surface: heliotile_scene::SurfaceRasters {
                 canopy: Some("cdsm.tif".into()),
-                ..heliotile_scene::SurfaceRasters::of("dsm.tif")
+                ..heliotile_scene::SurfaceRasters::new("dsm.tif")
             },
             ..SceneRequest::default()
         };

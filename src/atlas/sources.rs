@@ -26,7 +26,7 @@ pub fn holding(place: &Path, chosen: &Selection, access: Access, workspace: &Wor
     let within = if let Selection::Bounds(bounds) = chosen { Some(*bounds) } else { None };
     let sources = sources_of(&atlas, within, access)?;
     let counts = {
-        let sites = sources.borrowed().iter().map(OpenSite::of).collect::<Result<Vec<_>>>()?;
+        let sites = sources.borrowed().iter().map(OpenSite::open).collect::<Result<Vec<_>>>()?;
         let kept = chosen.resolve(&sites, &workspace.folder, workspace.memory.length(Use::ReceiverList))?;
         let mut kept = kept.into_iter();
         let count = |site: &OpenSite| kept.by_ref().take(site.receivers() as usize).filter(|kept| *kept).count();
@@ -59,7 +59,7 @@ pub fn open(place: &Path, access: Access) -> Result<Sources> {
 
 /// Opens the archives of the parts that a box touches, for an open atlas.
 pub fn sources_of(atlas: &Atlas, within: Option<Bounds>, access: Access) -> Result<Sources> {
-    Sources::of(atlas.archives(within, access)?, || {
+    Sources::new(atlas.archives(within, access)?, || {
         let what = "no part of the atlas holds a requested receiver";
         Error::input(&atlas.shown(), None, what, "give a box in coordinates of the scene files")
     })

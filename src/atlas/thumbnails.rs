@@ -29,7 +29,7 @@ pub struct Thumbnails<'a> {
 
 impl<'a> Thumbnails<'a> {
     /// Reads the range of the sums of each archive and the area that they cover.
-    pub fn of(paths: &[&'a Path], about: Provenance) -> Result<Self> {
+    pub fn new(paths: &[&'a Path], about: Provenance) -> Result<Self> {
         let frame = |path: &&'a Path| Ok((*path, frame(&open_archive(path, Access::Read)?)?));
         let parts: Vec<_> = paths.par_iter().map(frame).collect::<Result<_>>()?;
         let all = parts.iter().filter_map(|(_, frame)| *frame).reduce(|all, frame| all.union(&frame));
@@ -50,7 +50,7 @@ impl<'a> Thumbnails<'a> {
     pub fn part(&self, number: usize) -> Result<Option<Vec<u8>>> {
         let (Some((path, Some(frame))), Some(all)) = (self.parts.get(number), self.all) else { return Ok(None) };
         let archive = open_archive(path, Access::Read)?;
-        let site = OpenSite::of(&archive)?;
+        let site = OpenSite::open(&archive)?;
         let about = self.about.clone().with_archive(path, &archive);
         let around = surroundings(&archive, &site);
         frame.in_colours_of(&all).png(around.as_ref(), &about, |draw| each(&site, draw)).map(Some)
@@ -60,7 +60,7 @@ impl<'a> Thumbnails<'a> {
     pub fn all(&self) -> Result<Option<Vec<u8>>> {
         let draw = |draw: &mut dyn FnMut(&MapRow)| {
             let paths = self.parts.iter().filter(|(_, frame)| frame.is_some()).map(|(path, _)| path);
-            paths.into_iter().try_for_each(|path| each(&OpenSite::of(&open_archive(path, Access::Read)?)?, draw))
+            paths.into_iter().try_for_each(|path| each(&OpenSite::open(&open_archive(path, Access::Read)?)?, draw))
         };
         self.all.map(|all| all.png(None, &self.about, draw)).transpose()
     }
@@ -68,7 +68,7 @@ impl<'a> Thumbnails<'a> {
 
 /// Returns the frame of an archive's picture, or `None` where it has no sums.
 fn frame(archive: &Archive) -> Result<Option<ThumbnailFrame>> {
-    let site = OpenSite::of(archive)?;
+    let site = OpenSite::open(archive)?;
     let (mut frame, mut count) = (ThumbnailFrame::new(site.north()), 0_u64);
     each(&site, &mut |row| {
         frame.add(row);

@@ -30,7 +30,7 @@ pub fn check_scene(archive: &Archive) -> Result<()> {
 /// Returns the scene that an archive was traced from, or an error if the archive does not hold it.
 pub fn held_scene(archive: &Archive) -> Result<TracedScene> {
     check_scene(archive)?;
-    let site = OpenSite::of(archive)?;
+    let site = OpenSite::open(archive)?;
     let chunks = archive.entries_of(format::SCENE).len() as u32;
     let read = |chunk: u32| GeometryTable::from_block(&site.block(format::SCENE, TileNumber(chunk))?);
     let tables: Vec<GeometryTable> = (0..chunks).into_par_iter().map(read).collect::<Result<_>>()?;

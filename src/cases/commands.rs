@@ -203,7 +203,7 @@ commands![
 
 impl Command {
     /// Returns the command of a name.
-    pub fn of(name: &str) -> Option<&'static Command> {
+    pub fn by_name(name: &str) -> Option<&'static Command> {
         COMMANDS.iter().find(|command| command.name == name)
     }
 

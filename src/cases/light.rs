@@ -342,7 +342,7 @@ impl PeopleOfSite {
 
 /// Returns a replay of the totals over all hours.
 fn totals(replay: &ReplayRequest) -> ReplayRequest {
-    let light = LightChoice { columns: Some(ComponentList::of(Component::Total)), ..replay.light.clone() };
+    let light = LightChoice { columns: Some(ComponentList::new(Component::Total)), ..replay.light.clone() };
     ReplayRequest { light, every: Every::Total, ..replay.clone() }
 }
 

@@ -28,7 +28,7 @@ pub struct ClearSky {
 
 impl ClearSky {
     /// Returns the deficits of skies with `side` base texels a side.
-    pub fn of(side: usize) -> Self {
+    pub fn new(side: usize) -> Self {
         let texel_sr = HEMISPHERE_SR / (side * side) as f64;
         let of_texel = |texel: usize| {
             let place = DVec2::new((texel % side) as f64 + 0.5, (texel / side) as f64 + 0.5) / side as f64;
@@ -72,7 +72,7 @@ mod tests {
                 bits.set(texel % side, texel / side, true);
             }
         }
-        SkyBitmap::of(&bits, side)
+        SkyBitmap::new(&bits, side)
     }
 
     /// The deficit of the open horizontal plane is 1, and that of a wall before an open horizon
@@ -82,7 +82,7 @@ mod tests {
     /// numpy).
     #[test]
     fn the_deficit_is_largest_at_the_zenith() {
-        let clear = ClearSky::of(128);
+        let clear = ClearSky::new(128);
         let open = sky(128, |_| true);
         assert!((clear.missed(DVec3::Z, &open) - 1.0).abs() < 1e-12);
         assert!((clear.missed(DVec3::X, &open) - 0.345).abs() < 2e-3, "{}", clear.missed(DVec3::X, &open));

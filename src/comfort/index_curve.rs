@@ -24,7 +24,7 @@ pub struct IndexCurve {
 impl IndexCurve {
     /// Returns the curve of an hour with air of `air_c` degrees Celsius. `index` gives a value for
     /// a mean radiant temperature, or `None`.
-    pub fn of(air_c: f64, index: impl Fn(f64) -> Option<f64>) -> Self {
+    pub fn new(air_c: f64, index: impl Fn(f64) -> Option<f64>) -> Self {
         let first_c = air_c - BELOW_K;
         let count = ((BELOW_K + ABOVE_K) / STEP_K) as usize;
         let node = |i: usize| index(first_c + STEP_K * i as f64).map_or(f32::NAN, |value| value as f32);
@@ -88,7 +88,7 @@ mod tests {
                 };
                 pet_c(&climate, &PetPerson::VDI_3787)
             };
-            let (of_utci, of_pet) = (IndexCurve::of(air_c, utci), IndexCurve::of(air_c, pet));
+            let (of_utci, of_pet) = (IndexCurve::new(air_c, utci), IndexCurve::new(air_c, pet));
             for i in 0..600 {
                 let radiant_c = air_c - 25.0 + 0.137 * f64::from(i);
                 if let (Some(found), Some(expected)) = (of_utci.at(radiant_c), utci(radiant_c)) {

@@ -50,7 +50,7 @@ pub fn pet_c(climate: &PetClimate, person: &PetPerson) -> Option<f64> {
     if !(is_climate(climate) && is_person(person)) {
         return None;
     }
-    let body = Body::of(person);
+    let body = Body::new(person);
     let relative_pressure = climate.pressure_hpa / SEA_LEVEL_HPA;
     let saturation_hpa = ashrae_saturation_pressure_hpa(climate.air_temperature_c);
     let outdoors = BodyClimate {
@@ -60,10 +60,10 @@ pub fn pet_c(climate: &PetClimate, person: &PetPerson) -> Option<f64> {
         pressure_hpa: climate.pressure_hpa,
         convection_w_m2_k: body.convection_w_m2_k(climate.wind_m_s, relative_pressure),
     };
-    let clothing = Clothing::of(person.clothing_clo, &body);
+    let clothing = Clothing::new(person.clothing_clo, &body);
     let nodes = HeatBalance::new(&body, &clothing, &outdoors, MET_W * person.activity_met).nodes()?;
     // The room keeps the temperatures of core, skin and clothing of the real climate.
-    let room_clothing = Clothing::of(ROOM_CLOTHING_CLO, &body);
+    let room_clothing = Clothing::new(ROOM_CLOTHING_CLO, &body);
     let convection_w_m2_k = body.convection_w_m2_k(ROOM_WIND_M_S, relative_pressure);
     let sum_in_room_w_m2 = |room_c| {
         let vapour_hpa = ROOM_VAPOUR_HPA;

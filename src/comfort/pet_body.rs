@@ -101,7 +101,7 @@ impl Body {
     /// f_eff is 0.725 sitting and 0.696 standing, as in pythermalcomfort, whose table of validation
     /// needs it (0.57 K in its row of -5 and 40 degrees). Fanger and the Fortran code have 0.696
     /// sitting and 0.725 standing.
-    pub fn of(person: &PetPerson) -> Self {
+    pub fn new(person: &PetPerson) -> Self {
         let PetPerson { weight_kg, height_m, age_years, .. } = *person;
         let slenderness_cm_kg = 100.0 * height_m / weight_kg.cbrt();
         let of_age = 1.0 + 0.004 * (30.0 - age_years);
@@ -148,7 +148,7 @@ pub struct Clothing {
 
 impl Clothing {
     /// Returns the clothing of an insulation, clo, on a body.
-    pub fn of(clo: f64, body: &Body) -> Self {
+    pub fn new(clo: f64, body: &Body) -> Self {
         /// Two pi as the model has it.
         #[allow(clippy::approx_constant)]
         const TURN: f64 = 6.28;
@@ -185,8 +185,8 @@ mod tests {
     /// W, by hand within 0.1.
     #[test]
     fn bodies_have_the_area_and_metabolism_by_hand() {
-        let man = Body::of(&PetPerson::default());
-        let woman = Body::of(&PetPerson { sex: Sex::Female, ..PetPerson::default() });
+        let man = Body::new(&PetPerson::default());
+        let woman = Body::new(&PetPerson { sex: Sex::Female, ..PetPerson::default() });
         assert!((man.surface_m2 - 1.94).abs() < 0.01, "{man:?}");
         assert!((man.basal_w - 89.8).abs() < 0.1 && (woman.basal_w - 84.4).abs() < 0.1, "{man:?} {woman:?}");
     }
@@ -195,7 +195,7 @@ mod tests {
     /// sea level, and less in thin air.
     #[test]
     fn convection_grows_with_wind_and_air_density() {
-        let body = Body::of(&PetPerson::default());
+        let body = Body::new(&PetPerson::default());
         assert_eq!(body.convection_w_m2_k(0.0, 1.0), 3.0);
         assert!((body.convection_w_m2_k(1.0, 1.0) - 9.17).abs() < 1e-12);
         assert!(body.convection_w_m2_k(1.0, 0.7) < 9.17);
@@ -205,11 +205,11 @@ mod tests {
     /// inverse of its resistance, 0.9 / 6.45. At 2.5 clo nothing is bare.
     #[test]
     fn clothing_covers_and_insulates_as_stated() {
-        let body = Body::of(&PetPerson::default());
-        let clothing = Clothing::of(0.9, &body);
+        let body = Body::new(&PetPerson::default());
+        let clothing = Clothing::new(0.9, &body);
         assert!((clothing.bare_share - 0.1376).abs() < 1e-4, "{clothing:?}");
         let product = clothing.conductance_w_m2_k * clothing.resistance_m2_k_w;
         assert!((0.7..1.3).contains(&product), "{product}");
-        assert!(Clothing::of(2.5, &body).bare_share == 0.0);
+        assert!(Clothing::new(2.5, &body).bare_share == 0.0);
     }
 }

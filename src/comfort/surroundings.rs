@@ -124,7 +124,7 @@ pub struct HeatAround {
 
 impl SurfaceMean {
     /// Returns the weighted mean of some means, or `None` without any.
-    pub fn of(parts: impl IntoIterator<Item = (f64, Option<SurfaceMean>)>) -> Option<Self> {
+    pub fn new(parts: impl IntoIterator<Item = (f64, Option<SurfaceMean>)>) -> Option<Self> {
         let (mut weight, mut emissivity, mut absorptance) = (0.0, 0.0, 0.0);
         for (of_part, mean) in parts {
             let Some(mean) = mean else { continue };
@@ -239,8 +239,8 @@ impl HeatAround {
             air_c: self.air_c,
             air_w_m2,
             sky_w_m2: self.sky_w_m2,
-            ground: of(self.ground, SurfaceMean::of(seen.map(|view| (view.ground(), view.surfaces.ground)))),
-            ends: of(self.obstruction, SurfaceMean::of(ends.map(ViewShares::obstructions))),
+            ground: of(self.ground, SurfaceMean::new(seen.map(|view| (view.ground(), view.surfaces.ground)))),
+            ends: of(self.obstruction, SurfaceMean::new(ends.map(ViewShares::obstructions))),
             sides: views.sides.map(|view| of(self.obstruction, view.surfaces.obstruction)),
         }
     }

@@ -112,7 +112,7 @@ impl StressCategory {
 
     /// Returns the category of a UTCI; `None` for NaN. A UTCI on a limit belongs to the colder
     /// category, as in pythermalcomfort.
-    pub fn of(utci_c: f64) -> Option<Self> {
+    pub fn by_utci(utci_c: f64) -> Option<Self> {
         Self::ALL.into_iter().find(|category| utci_c <= category.upper_limit_c())
     }
 
@@ -231,11 +231,11 @@ mod tests {
     fn a_utci_on_a_limit_has_the_colder_category() {
         for (colder, hotter) in StressCategory::ALL.into_iter().zip(StressCategory::ALL.into_iter().skip(1)) {
             assert!(colder < hotter && colder.upper_limit_c() < hotter.upper_limit_c());
-            assert_eq!(StressCategory::of(colder.upper_limit_c()), Some(colder));
-            assert_eq!(StressCategory::of(colder.upper_limit_c() + 1e-9), Some(hotter));
+            assert_eq!(StressCategory::by_utci(colder.upper_limit_c()), Some(colder));
+            assert_eq!(StressCategory::by_utci(colder.upper_limit_c() + 1e-9), Some(hotter));
             assert_ne!(colder.name(), hotter.name());
         }
-        assert_eq!(StressCategory::of(20.0).map(StressCategory::name), Some("no thermal stress"));
-        assert_eq!(StressCategory::of(f64::NAN), None);
+        assert_eq!(StressCategory::by_utci(20.0).map(StressCategory::name), Some("no thermal stress"));
+        assert_eq!(StressCategory::by_utci(f64::NAN), None);
     }
 }

@@ -186,7 +186,7 @@ pub struct Frame {
 
 impl Frame {
     /// Returns the frame of a unit normal.
-    pub fn of(normal: DVec3) -> Self {
+    pub fn new(normal: DVec3) -> Self {
         let horizontal = (normal.x * normal.x + normal.y * normal.y).sqrt();
         // Below this tilt (6e-5 deg) the horizontal direction is rounding noise.
         let u =
@@ -271,7 +271,7 @@ mod tests {
     #[test]
     fn frames_are_orthonormal_and_right_handed() {
         for n in [DVec3::Z, DVec3::NEG_Z, DVec3::X, DVec3::new(1e-9, 0.0, 1.0), DVec3::new(0.3, -0.5, 0.81)] {
-            let f = Frame::of(n.normalize());
+            let f = Frame::new(n.normalize());
             assert!((f.u.cross(f.v) - f.n).length() < 1e-12);
             assert!(f.u.z.abs() < 2e-9);
             let local = DVec3::new(0.2, -0.3, 0.9);

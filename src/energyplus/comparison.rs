@@ -113,7 +113,7 @@ struct Row {
 }
 
 impl Row {
-    fn of(name: &str, [none, own, ours]: [&[f64]; 3]) -> Row {
+    fn new(name: &str, [none, own, ours]: [&[f64]; 3]) -> Row {
         let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
         let rms = |values: &[f64]| {
             let squares = values.iter().zip(own).map(|(a, b)| (a - b).powi(2));
@@ -164,10 +164,10 @@ fn rows(runs: &[HourlySeries; 3], variable: &str, areas: &SurfaceAreas) -> Vec<R
                 sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * value);
             }
         }
-        rows.push(Row::of(&key.1, [none, values, ours]));
+        rows.push(Row::new(&key.1, [none, values, ours]));
     }
     if sums.iter().any(|sum| !sum.is_empty()) {
-        rows.push(Row::of(ALL, sums.each_ref().map(Vec::as_slice)));
+        rows.push(Row::new(ALL, sums.each_ref().map(Vec::as_slice)));
     }
     rows
 }
@@ -228,7 +228,7 @@ mod tests {
     /// 0 and 0.
     #[test]
     fn a_row_states_means_percent_and_rms() {
-        let row = Row::of("wall", [&[12.0, 22.0], &[10.0, 20.0], &[10.0, 20.0]]);
+        let row = Row::new("wall", [&[12.0, 22.0], &[10.0, 20.0], &[10.0, 20.0]]);
         assert_eq!(row.cells(), ["wall", "17.00", "15.00", "15.00", "+13.33", "+0.00", "2.000", "0.000"]);
     }
 

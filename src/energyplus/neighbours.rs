@@ -54,7 +54,7 @@ impl Spot {
 impl Neighbours {
     /// Collects the obstructions of a soup as polygons. The triangles of a face that is convex
     /// become one polygon.
-    pub fn of(soup: &Soup, materials: &[Material], spot: Spot) -> Neighbours {
+    pub fn new(soup: &Soup, materials: &[Material], spot: Spot) -> Neighbours {
         let mut found = Neighbours::default();
         let mut faces: BTreeMap<(u32, u16), Vec<[u32; 3]>> = BTreeMap::new();
         for (i, corners) in soup.triangles.iter().enumerate() {

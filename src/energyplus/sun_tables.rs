@@ -98,7 +98,7 @@ pub struct TableRequest<'a> {
 
 /// Computes the reflected light of all surfaces, sorted by name in small letters.
 pub fn surface_lights(archive: &Archive, asked: &TableRequest) -> Result<Vec<SurfaceLight>> {
-    let site = OpenSite::of(archive)?;
+    let site = OpenSite::open(archive)?;
     // Without reflections or ground, nothing depends on the ground's reflectance.
     let changes = site.settings().diffuse && !site.grounds().is_empty();
     let GroundRange { low, high } = asked.ground;
@@ -139,7 +139,7 @@ fn surface_means(
     let stream = TileStream { receivers: &receivers, light: &light, series: &series, resources: asked.resources };
     let mut found: BTreeMap<String, Means> = BTreeMap::new();
     let mut rows = receivers.receivers();
-    stream.each(ComponentSet::of(components), |tile| {
+    stream.each(ComponentSet::new(components), |tile| {
         for (row, receiver) in rows.by_ref().take(tile.ids.len()).enumerate() {
             let receiver = receiver?;
             let part = receiver.part;

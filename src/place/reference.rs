@@ -59,7 +59,7 @@ pub struct PlaneSystem {
 impl PlaneSystem {
     /// Returns the system of a number in the EPSG register; a compound system counts by its
     /// horizontal part.
-    pub fn of(epsg: u32) -> Result<PlaneSystem, Unplaced> {
+    pub fn by_epsg(epsg: u32) -> Result<PlaneSystem, Unplaced> {
         let known = || {
             let definition = crs_definitions::from_code(u16::try_from(horizontal(epsg)).ok()?)?;
             let from = Proj::from_proj_string(definition.proj4).ok()?;
@@ -131,7 +131,7 @@ impl Reference {
     /// must.
     pub fn check(self) -> Result<(), Unplaced> {
         match self {
-            Reference::Epsg(epsg) => PlaneSystem::of(epsg).map(drop),
+            Reference::Epsg(epsg) => PlaneSystem::by_epsg(epsg).map(drop),
             Reference::Place { .. } => self.locate(0.0, 0.0).map(drop),
         }
     }
@@ -146,7 +146,7 @@ impl Reference {
                 if known { Ok((place, 1.0)) } else { Err(Unplaced::Outside) }
             }
             Reference::Epsg(epsg) => {
-                let (place, length) = PlaneSystem::of(epsg)?.place(x, y).ok_or(Unplaced::Outside)?;
+                let (place, length) = PlaneSystem::by_epsg(epsg)?.place(x, y).ok_or(Unplaced::Outside)?;
                 Ok((Place { epsg: Some(horizontal(epsg)), ..place }, length))
             }
         }
@@ -156,7 +156,7 @@ impl Reference {
     /// all others.
     pub fn unit_m(self) -> f64 {
         match self {
-            Reference::Epsg(epsg) => PlaneSystem::of(epsg).map_or(1.0, |plane| plane.unit_m()),
+            Reference::Epsg(epsg) => PlaneSystem::by_epsg(epsg).map_or(1.0, |plane| plane.unit_m()),
             Reference::Place { .. } => 1.0,
         }
     }
@@ -232,7 +232,7 @@ mod tests {
     #[test]
     fn degrees_agree_with_proj_within_5_mm() {
         let metres_off = |(epsg, x, y, latitude, longitude): (u32, f64, f64, f64, f64)| {
-            let (lat, lon) = PlaneSystem::of(epsg).expect("known").degrees(x, y).expect("a place");
+            let (lat, lon) = PlaneSystem::by_epsg(epsg).expect("known").degrees(x, y).expect("a place");
             let metre = 111_320.0;
             ((lat - latitude) * metre).hypot((lon - longitude) * metre * f64::to_radians(latitude).cos())
         };

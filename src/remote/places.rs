@@ -21,7 +21,7 @@ pub const ATLAS: &str = "atlas.json";
 /// allowed, not reached, changed meanwhile.
 pub fn open_archive(place: &Path, access: Access) -> Result<Archive> {
     if is_address(place) {
-        return Archive::of(shown(place), stored::hold(place, true)?);
+        return Archive::new(shown(place), stored::hold(place, true)?);
     }
     if place.join(ATLAS).is_file() {
         let hint = "give the site.helio of one part; queries, replays, factors, buildings, places and checks accept a whole atlas, and \
@@ -40,7 +40,7 @@ pub fn open_archive(place: &Path, access: Access) -> Result<Archive> {
 /// Opens the archive at a place, or returns `None` if nothing is there.
 pub fn find_archive(place: &Path, access: Access) -> Result<Option<Archive>> {
     match is_address(place) {
-        true => stored::find(place, true, true)?.map(|file| Archive::of(shown(place), file)).transpose(),
+        true => stored::find(place, true, true)?.map(|file| Archive::new(shown(place), file)).transpose(),
         false => place.is_file().then(|| open_archive(place, access)).transpose(),
     }
 }

@@ -23,7 +23,7 @@ pub struct Archives<'a> {
 impl Sources {
     /// Returns `archives` in the order of results. Errors: no archive (`none` makes the error), or
     /// archives that cannot share one table.
-    pub fn of(archives: Vec<Archive>, none: impl FnOnce() -> Error) -> Result<Self> {
+    pub fn new(archives: Vec<Archive>, none: impl FnOnce() -> Error) -> Result<Self> {
         let mut archives = archives.into_iter();
         let first = archives.next().ok_or_else(none)?;
         let others: Vec<Archive> = archives.collect();

@@ -63,7 +63,7 @@ impl BandChoice {
             let what = "the number of bands of files".to_owned();
             return Err(Error::Limit { what: what.into(), value: own.len() as u64, max: Component::OWN.len() as u64 });
         }
-        let mut list = BandList::of(&self.bands);
+        let mut list = BandList::new(&self.bands);
         list.columns.extend(Component::OWN.into_iter().take(own.len()));
         Ok(BandList { own, files: self.files.clone(), ..list })
     }
@@ -109,7 +109,7 @@ pub struct BandList {
 
 impl BandList {
     /// Returns the columns of bands by name, without custom bands.
-    pub fn of(bands: &[Band]) -> Self {
+    pub fn new(bands: &[Band]) -> Self {
         let columns = bands.iter().flat_map(|band| columns_of(*band)).copied().collect();
         BandList { columns, ..BandList::default() }
     }
@@ -133,7 +133,7 @@ impl BandList {
         if bands.is_empty() {
             return Ok(Vec::new());
         }
-        let site = OpenSite::of(archives.first())?;
+        let site = OpenSite::open(archives.first())?;
         let stated = site.materials().iter().filter(|material| !material.bands.is_empty());
         if stated.clone().next().is_none() {
             return Ok(vec![format!(

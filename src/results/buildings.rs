@@ -85,7 +85,7 @@ impl BuildingsRequest {
         let usable = Usable { threshold_kwh_m2: self.threshold_kwh_m2, least_m2: self.least_m2 };
         let mut cadastre = Cadastre::new(set.receivers(), usable, set.north(), place)?;
         let mut receivers = set.rows::<Shown>();
-        stream.each(ComponentSet::of(&[Component::Total]), |tile| {
+        stream.each(ComponentSet::new(&[Component::Total]), |tile| {
             for (row, shown) in receivers.by_ref().take(tile.ids.len()).enumerate() {
                 let shown = shown?;
                 let sum = tile.values.row(Component::Total, row).first().copied().unwrap_or_default();
@@ -114,7 +114,7 @@ pub fn check_table(output: &Path, inputs: &[&Path]) -> Result<()> {
     if output != Path::new("-") {
         files_of(output).iter().try_for_each(|file| guard_output(file, inputs))?;
     }
-    Format::of(output).map(drop)
+    Format::by_ending(output).map(drop)
 }
 
 /// Returns the help of the output.

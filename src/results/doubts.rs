@@ -57,8 +57,8 @@ pub fn preview(archive: &Archive) -> Option<String> {
 pub fn mean_ground(archive: &Archive, changes: &Changes) -> Result<Option<Message>> {
     // Few archives state such a ground; the site of the others is not opened a second time.
     let Some(ground) = &archive.manifest().ground else { return Ok(None) };
-    let site = OpenSite::of(archive)?;
-    if Changeable::of(&site, archive.manifest()).ground.is_none() {
+    let site = OpenSite::open(archive)?;
+    if Changeable::new(&site, archive.manifest()).ground.is_none() {
         return Ok(None);
     }
     let material = site.materials().iter().find(|material| material.name == ground.material);

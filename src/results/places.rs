@@ -111,11 +111,11 @@ impl PlacesRequest {
     fn candidates(&self, stream: &TileStream) -> Result<Vec<PlaceCandidate>> {
         let mut receivers = stream.receivers.rows::<Shown>();
         let mut candidates = Vec::new();
-        stream.each(ComponentSet::of(&[Component::Total]), |tile| {
+        stream.each(ComponentSet::new(&[Component::Total]), |tile| {
             for (row, shown) in receivers.by_ref().take(tile.ids.len()).enumerate() {
                 let shown = shown?;
                 let receiver = &shown.receiver;
-                let is_asked = match Envelope::of(receiver) {
+                let is_asked = match Envelope::new(receiver) {
                     Envelope::Roof => self.on != PlaceOn::Facades,
                     Envelope::Facade => self.on != PlaceOn::Roofs,
                     Envelope::Neither => false,

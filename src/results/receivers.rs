@@ -35,7 +35,7 @@ impl ReceiverChoice {
     /// into memory.
     pub fn of<'a>(&self, archives: Archives<'a>, folder: &Path, memory: MemoryBudget) -> Result<ReceiverSet<'a>> {
         let site = |archive: &'a Archive| {
-            let site = OpenSite::of(archive)?;
+            let site = OpenSite::open(archive)?;
             Ok(if self.grid_north { site.with_y_for_north() } else { site })
         };
         let sites: Vec<OpenSite> = archives.iter().map(site).collect::<Result<_>>()?;
@@ -85,7 +85,7 @@ impl<'a> ReceiverSet<'a> {
 
     /// Returns all receivers of an archive.
     pub fn all_of(archive: &'a Archive) -> Result<Self> {
-        Ok(ReceiverSet::new(std::iter::once((archive, OpenSite::of(archive)?)), None))
+        Ok(ReceiverSet::new(std::iter::once((archive, OpenSite::open(archive)?)), None))
     }
 
     /// Returns those of the chosen receivers for which `wanted`, in their order, is true.
@@ -153,7 +153,7 @@ impl<'a> PartReceivers<'a> {
 
     /// Returns the parts of this archive's light that may be changed.
     pub fn changeable(&self) -> Changeable<'_> {
-        Changeable::of(&self.site, self.archive.manifest())
+        Changeable::new(&self.site, self.archive.manifest())
     }
 
     /// Returns the tiles that hold a chosen receiver, in order.

@@ -235,7 +235,7 @@ pub const MAX_STEPS: usize = 60;
 
 impl QueryRequest {
     /// Returns a query with the usual light: a table of conditions, or conditions in memory.
-    pub fn of(conditions: impl Into<ConditionSource>) -> Self {
+    pub fn new(conditions: impl Into<ConditionSource>) -> Self {
         QueryRequest { light: LightChoice::default(), conditions: conditions.into() }
     }
 
@@ -258,7 +258,7 @@ impl QueryRequest {
 impl ReplayRequest {
     /// Returns a replay of a weather file with defaults for all else: a row for each of its
     /// intervals.
-    pub fn of(weather: impl Into<PathBuf>) -> Self {
+    pub fn new(weather: impl Into<PathBuf>) -> Self {
         ReplayRequest {
             light: LightChoice::default(),
             weather: weather.into(),
@@ -360,12 +360,12 @@ impl Parse for ConditionSource {
 
 impl Default for QueryRequest {
     fn default() -> Self {
-        QueryRequest::of(PathBuf::new())
+        QueryRequest::new(PathBuf::new())
     }
 }
 
 impl Default for ReplayRequest {
     fn default() -> Self {
-        ReplayRequest::of("")
+        ReplayRequest::new("")
     }
 }

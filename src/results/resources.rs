@@ -30,7 +30,7 @@ impl Resources<'static> {
     /// Returns 4 GiB of memory, the system's folder for temporary files, and an observer that
     /// ignores all messages.
     pub fn usual() -> Self {
-        Resources::of(MemoryBudget::DEFAULT, &Silent)
+        Resources::new(MemoryBudget::DEFAULT, &Silent)
     }
 }
 
@@ -44,7 +44,7 @@ impl<'a> Resources<'a> {
     }
 
     /// Returns resources on this machine: memory, temporary files of the system, files on disk.
-    pub fn of(memory: MemoryBudget, observer: &'a dyn Observer) -> Self {
+    pub fn new(memory: MemoryBudget, observer: &'a dyn Observer) -> Self {
         Resources { memory, storage: &SystemTemp, files: &input::read, observer }
     }
 }

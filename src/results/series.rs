@@ -218,7 +218,7 @@ impl Series {
         elsewhere: &dyn Fn(&str) -> bool,
         resources: &Resources,
     ) -> Result<Vec<Schedule>> {
-        let changeable = Changeable::of(site, archive.manifest());
+        let changeable = Changeable::new(site, archive.manifest());
         let files = resources.files;
         let known = |changes: &Changes| changes.only(|name| changeable.knows(name) || !elsewhere(name));
         match &self.reflectances {

@@ -20,11 +20,11 @@ pub struct SkyComponents<'a>(Replay<'a>);
 
 impl<'a> SkyComponents<'a> {
     /// Prepares the sky components of a site.
-    pub fn of(site: &OpenSite<'a>) -> Result<Self> {
+    pub fn new(site: &OpenSite<'a>) -> Result<Self> {
         let sky = [Condition::new("overcast".into(), &[], DVec3::Z, 0.0, OVERCAST_W_M2)];
         let settings = ReplaySettings {
             sky: SkyModel::Cie(CieType::TRADITIONAL_OVERCAST),
-            components: ComponentSet::of(&[Component::SkyDirect]),
+            components: ComponentSet::new(&[Component::SkyDirect]),
             ..ReplaySettings::default()
         };
         Replay::new(site, &sky, settings).map(SkyComponents)

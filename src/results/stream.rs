@@ -97,7 +97,7 @@ pub struct Sinks<'s>(pub Vec<&'s mut dyn TileSink>);
 
 impl TileSink for Sinks<'_> {
     fn components(&self) -> ComponentSet {
-        self.0.iter().fold(ComponentSet::of(&[]), |all, sink| all.union(sink.components()))
+        self.0.iter().fold(ComponentSet::new(&[]), |all, sink| all.union(sink.components()))
     }
 
     fn start(&mut self) -> Result<()> {

@@ -52,7 +52,7 @@ impl PageRequest {
         let inputs: Vec<&Path> = inputs.into_iter().flatten().collect();
         guard_output(&self.output, &inputs)?;
         let archive = open_archive(&self.archive, self.access)?;
-        OpenSite::of(&archive)?;
+        OpenSite::open(&archive)?;
         let mut page = ViewerPage::default().with_archive(&shown(&self.archive), hold(&self.archive)?.as_ref())?;
         if let Some(with) = &self.with {
             let after = open_after(&archive, with, self.access, observer)?;
@@ -94,7 +94,7 @@ pub fn open_after(before: &Archive, after: &Path, access: Access, observer: &dyn
         return Ok(archive);
     }
     let [one, other] = [before, &archive].map(receiver_places);
-    if ReceiverMatching::of(&one?, &other?).pairs.is_empty() {
+    if ReceiverMatching::new(&one?, &other?).pairs.is_empty() {
         let what = format!("has no receiver in common with {first}: no change can be shown");
         return refuse(what, "build both archives with receivers of the same places or names");
     }

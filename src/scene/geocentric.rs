@@ -149,7 +149,7 @@ mod tests {
         for (file, east) in files.iter().zip([0.0, 100.0]) {
             std::fs::write(file, house(east)).expect("written");
         }
-        let scene = Scene::load_site(&SceneFiles::of(&files, None).expect("a site")).expect("a scene");
+        let scene = Scene::load_site(&SceneFiles::new(&files, None).expect("a site")).expect("a scene");
         let (low, high) = scene.mesh.bounds();
         assert!((high - low - DVec3::new(110.0, 10.0, 8.0)).abs().max_element() < 0.01, "{}", high - low);
         assert!((low.z + scene.mesh.origin.z - 45.0).abs() < 0.01);

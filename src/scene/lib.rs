@@ -160,7 +160,7 @@ impl LoadReport {
 impl Scene {
     /// Returns the north that azimuths in tables of points count from.
     pub fn table_north(&self) -> North {
-        if self.grid_north { North::default() } else { North::of(self.place.as_ref()) }
+        if self.grid_north { North::default() } else { North::new(self.place.as_ref()) }
     }
 
     /// Builds a scene from triangles in input coordinates, each with its index into `materials`, as
@@ -247,8 +247,11 @@ impl Scene {
             warnings: contested_warning(dropped.contested).into_iter().map(Message::from).collect(),
             notes: Vec::new(),
         };
-        let objects =
-            if known_objects.is_empty() { MeshObjects::default() } else { MeshObjects::of(&known_objects, objects) };
+        let objects = if known_objects.is_empty() {
+            MeshObjects::default()
+        } else {
+            MeshObjects::of_sorted(&known_objects, objects)
+        };
         Ok(Scene { mesh, materials, objects, place: None, grid_north: false, ground: None, report })
     }
 

@@ -551,7 +551,7 @@ impl Pile {
         let soup = if keep { triangles.clone() } else { Vec::new() };
         triangles.truncate(of_scene);
         let Canonical { mesh, used, objects: ranks, dropped } = canonical(&positions, triangles, focus)?;
-        let mesh_objects = MeshObjects::of(&sorted_objects, ranks);
+        let mesh_objects = MeshObjects::of_sorted(&sorted_objects, ranks);
         if mesh.triangles.is_empty() {
             let file = site.parts.first().map_or(Path::new(""), |part| &part.file);
             let what = format!("none of the {} faces has an area", report.faces_read);

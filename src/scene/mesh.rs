@@ -141,7 +141,7 @@ pub(super) fn canonical(
         if triangles.is_empty() {
             break;
         }
-        grid = Grid::of(focus.unwrap_or(0.5 * (least + greatest)), (greatest - least).max_element());
+        grid = Grid::new(focus.unwrap_or(0.5 * (least + greatest)), (greatest - least).max_element());
         check_reach(grid, least, greatest)?;
         // Areas count on the grid, where rays and normals see the triangles.
         triangles.retain(|triangle| has_area(triangle.corners.map(|corner| grid.relative(position(corner)))));

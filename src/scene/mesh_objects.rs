@@ -19,12 +19,12 @@ impl MeshObjects {
     pub fn new(objects: &[SceneObject], of_triangle: &[u32]) -> Self {
         let (ranks, sorted) = ranked(objects);
         let rank = |object: &u32| ranks.get(*object as usize).copied().unwrap_or_default();
-        MeshObjects::of(&sorted, of_triangle.iter().map(rank).collect())
+        MeshObjects::of_sorted(&sorted, of_triangle.iter().map(rank).collect())
     }
 
     /// Builds the lists from sorted objects and the object of each triangle, an index into
     /// `sorted`. Objects without triangles are left out.
-    pub(super) fn of(sorted: &[SceneObject], ranks: Vec<u32>) -> Self {
+    pub(super) fn of_sorted(sorted: &[SceneObject], ranks: Vec<u32>) -> Self {
         let mut used = ranks.clone();
         used.par_sort_unstable();
         used.dedup();

@@ -101,7 +101,7 @@ fn files_that_files_name_are_found_packed() {
     assert_eq!(Scene::load(&at("a.obj.gz"), Some(&at("m.toml.gz"))).expect("a scene").materials[0].diffuse, 0.75);
     write("site.toml.gz", &pack(b"[[scene]]\nfile = \"a.obj.gz\"\nmaterials = \"m.toml.gz\"\n"));
     for name in ["", "site.toml.gz"] {
-        assert_eq!(SceneFiles::of(&[at(name)], None).expect("a site").parts.len(), 1, "{name}");
+        assert_eq!(SceneFiles::new(&[at(name)], None).expect("a site").parts.len(), 1, "{name}");
     }
 }
 
@@ -164,7 +164,7 @@ fn paths_that_cannot_be_read_get_a_hint() {
         ("town.abc.gz", "found a name that ends with .abc, this release supports .json, .jsonl, .cityjson"),
         ("town", "found a name without ending, this release supports .json"),
     ] {
-        let found = SceneFiles::of(&[folder.path().join(name)], None).and_then(|site| Scene::load_site(&site));
+        let found = SceneFiles::new(&[folder.path().join(name)], None).and_then(|site| Scene::load_site(&site));
         let found = found.map(drop).expect_err(name).to_string();
         assert!(found.contains(expected), "{found}");
     }

@@ -69,7 +69,7 @@ impl SceneRequest {
         let hint = "state the coordinate system, place or unit of the scene's coordinates";
         self.frame.check().map_err(|(field, what)| Error::argument(field, what, hint))?;
         self.footprints.check().map_err(|(field, what)| Error::argument(field, what, "give metres above 0"))?;
-        let mut site = SceneFiles::of(&self.files, self.materials.as_deref())?;
+        let mut site = SceneFiles::new(&self.files, self.materials.as_deref())?;
         if let Some(rasters) = &self.surface.settled() {
             let hint =
                 if rasters.dsm.as_os_str().is_empty() { SurfaceRasters::NEEDED } else { "give a value in that range" };

@@ -242,7 +242,7 @@ impl SceneFiles {
     /// Returns the site of scene files and `site.toml` files in any mixture. `materials` is for
     /// files that name none of their own. A folder stands for the `site.toml` in it, or without one
     /// for the tiles of CityGML in it.
-    pub fn of(files: &[PathBuf], materials: Option<&Path>) -> Result<SceneFiles> {
+    pub fn new(files: &[PathBuf], materials: Option<&Path>) -> Result<SceneFiles> {
         let mut site = SceneFiles::default();
         for file in files {
             let listed = if file.is_dir() { listed_in(file)? } else { Some(file.clone()) };
@@ -434,7 +434,7 @@ mod tests {
         write("a.toml", "[wall]\ndiffuse = 0.5\n");
         write("b.toml", "[wall]\ndiffuse = 0.1\n");
         write("site.toml", toml);
-        let site = SceneFiles::of(&[folder.path().to_owned()], None);
+        let site = SceneFiles::new(&[folder.path().to_owned()], None);
         (folder, site)
     }
 
@@ -500,7 +500,7 @@ mod tests {
         for name in ["2.gml.gz", "1.gml", "codes.xml", "readme.txt"] {
             write(name, "");
         }
-        let parts = || SceneFiles::of(&[folder.path().to_owned()], None).expect("a site").parts;
+        let parts = || SceneFiles::new(&[folder.path().to_owned()], None).expect("a site").parts;
         let names: Vec<_> = parts().iter().map(|part| part.file.file_name().expect("a name").to_owned()).collect();
         assert_eq!(names, ["1.gml", "2.gml.gz"]);
         write("site.toml", "[[scene]]\nfile = \"a.obj\"\n");

@@ -63,7 +63,7 @@ impl SurfaceRasters {
     pub const LEAF_ON: f64 = 0.03;
 
     /// Returns a request for a raster of surface heights, with nothing else stated.
-    pub fn of(dsm: impl Into<PathBuf>) -> Self {
+    pub fn new(dsm: impl Into<PathBuf>) -> Self {
         SurfaceRasters { dsm: dsm.into(), ..SurfaceRasters::default() }
     }
 
@@ -91,7 +91,7 @@ impl SurfaceRasters {
         landcover: Option<PathBuf>,
     ) -> Option<Self> {
         let dsm = dsm.unwrap_or_default();
-        SurfaceRasters { dem, canopy, landcover, ..SurfaceRasters::of(dsm) }.settled()
+        SurfaceRasters { dem, canopy, landcover, ..SurfaceRasters::new(dsm) }.settled()
     }
 
     /// Returns the paths that are given, `dsm` first.
@@ -188,12 +188,12 @@ mod tests {
     /// with their field.
     #[test]
     fn a_request_is_read_as_it_was_written() {
-        let request = SurfaceRasters { trunk_share: Some(0.3), ..SurfaceRasters::of("a.tif") };
+        let request = SurfaceRasters { trunk_share: Some(0.3), ..SurfaceRasters::new("a.tif") };
         let text = serde_json::to_string(&request).expect("JSON");
         assert_eq!(text, "{\"dsm\":\"a.tif\",\"trunk_share\":0.3}");
         assert_eq!(serde_json::from_str::<SurfaceRasters>(&text).expect("a request"), request);
         assert!(request.check().is_ok());
-        let of = || SurfaceRasters::of("a.tif");
+        let of = || SurfaceRasters::new("a.tif");
         for (wrong, name) in [
             (SurfaceRasters { step_m: Some(0.0), ..of() }, "step_m"),
             (SurfaceRasters { least_building_m2: Some(f64::NAN), ..of() }, "least_building_m2"),

@@ -41,7 +41,7 @@ pub use opening::SiteOptions;
 /// # fn main() -> heliotile::Result<()> {
 /// use heliotile::{ReplayRequest, Resources, Site};
 /// let site = Site::open("site.helio")?;
-/// for receiver in site.totals(&ReplayRequest::of("rotterdam.epw"), &Resources::usual())? {
+/// for receiver in site.totals(&ReplayRequest::new("rotterdam.epw"), &Resources::usual())? {
 ///     println!("{}: {:.0} kWh/m2", receiver.id, receiver.kwh_m2);
 /// }
 /// # Ok(())
@@ -84,7 +84,7 @@ impl Site {
     /// # fn main() -> heliotile::Result<()> {
     /// # use heliotile::Site;
     /// use heliotile::{Bounds, ReceiverChoice, Selection, SiteOptions};
-    /// let square = Bounds::of(&[0.0, 0.0, 200.0, 200.0]).ok().map(Selection::Bounds);
+    /// let square = Bounds::new(&[0.0, 0.0, 200.0, 200.0]).ok().map(Selection::Bounds);
     /// let receivers = ReceiverChoice { selection: square, ..ReceiverChoice::default() };
     /// let options = SiteOptions { receivers, ..SiteOptions::default() };
     /// let square = Site::open_with("atlas", options)?;
@@ -169,7 +169,7 @@ impl Site {
     pub fn materials(&self) -> Result<Vec<Material>> {
         let mut all: Vec<Material> = Vec::new();
         for archive in self.archives().iter() {
-            for material in OpenSite::of(archive)?.materials() {
+            for material in OpenSite::open(archive)?.materials() {
                 if all.iter().all(|known| known.name != material.name) {
                     all.push(material.clone());
                 }
@@ -200,7 +200,7 @@ impl Site {
     /// # fn main() -> heliotile::Result<()> {
     /// # use heliotile::{ReplayRequest, Resources, Site};
     /// let site = Site::open("site.helio")?;
-    /// let year = ReplayRequest::of("rotterdam.epw").into();
+    /// let year = ReplayRequest::new("rotterdam.epw").into();
     /// let replay = site.under(&year, "-".as_ref(), &Resources::usual())?;
     /// println!("{} hours", replay.bins().len());
     /// # Ok(())
@@ -238,8 +238,8 @@ impl Site {
     /// # fn main() -> heliotile::Result<()> {
     /// # use heliotile::{FileRequest, QueryRequest, Resources, Site};
     /// let site = Site::open("site.helio")?;
-    /// let suns = QueryRequest::of("conditions.csv");
-    /// site.query(&suns, &FileRequest::of("suns.csv"), &Resources::usual())?;
+    /// let suns = QueryRequest::new("conditions.csv");
+    /// site.query(&suns, &FileRequest::new("suns.csv"), &Resources::usual())?;
     /// # Ok(())
     /// # }
     /// ```
@@ -254,8 +254,8 @@ impl Site {
     /// # fn main() -> heliotile::Result<()> {
     /// # use heliotile::{Every, FileRequest, ReplayRequest, Resources, Site};
     /// let site = Site::open("site.helio")?;
-    /// let year = ReplayRequest { every: Every::Month, ..ReplayRequest::of("rotterdam.epw") };
-    /// site.replay(&year, &FileRequest::of("months.parquet"), &Resources::usual())?;
+    /// let year = ReplayRequest { every: Every::Month, ..ReplayRequest::new("rotterdam.epw") };
+    /// site.replay(&year, &FileRequest::new("months.parquet"), &Resources::usual())?;
     /// # Ok(())
     /// # }
     /// ```
@@ -282,9 +282,9 @@ impl Site {
     /// # fn main() -> heliotile::Result<()> {
     /// # use heliotile::{CompareRequest, FileRequest, ReplayRequest, Resources, Site};
     /// let before = Site::open("before.helio")?;
-    /// let under = ReplayRequest::of("rotterdam.epw").into();
+    /// let under = ReplayRequest::new("rotterdam.epw").into();
     /// let request = CompareRequest { after: vec!["after.helio".into()], under, summary: None, unmatched: None };
-    /// let done = before.compare(&request, &FileRequest::of("change.csv"), &Resources::usual())?;
+    /// let done = before.compare(&request, &FileRequest::new("change.csv"), &Resources::usual())?;
     /// println!("{}", done.text());
     /// # Ok(())
     /// # }
@@ -319,7 +319,7 @@ impl Site {
     /// Returns the irradiation of each chosen receiver over a weather file, kWh/m2, in the order of
     /// the archive. Memory grows with the number of receivers.
     pub fn totals(&self, request: &ReplayRequest, resources: &Resources) -> Result<Vec<ReceiverTotal>> {
-        let light = request.light.only(ComponentList::of(Component::Total));
+        let light = request.light.only(ComponentList::new(Component::Total));
         let request = ReplayRequest { every: Every::Total, light, ..request.clone() };
         let mut totals = Vec::new();
         self.each_tile(&request, resources, |tile| {
@@ -339,7 +339,7 @@ impl Site {
     /// # fn main() -> heliotile::Result<()> {
     /// # use heliotile::{ReplayRequest, Resources, Site};
     /// let site = Site::open("site.helio")?;
-    /// site.each_tile(&ReplayRequest::of("rotterdam.epw"), &Resources::usual(), |tile| {
+    /// site.each_tile(&ReplayRequest::new("rotterdam.epw"), &Resources::usual(), |tile| {
     ///     println!("{} receivers", tile.ids.len());
     ///     Ok(true)
     /// })?;
@@ -362,7 +362,7 @@ impl Site {
     /// # fn main() -> heliotile::Result<()> {
     /// # use heliotile::{BuildingsRequest, Every, ReplayRequest, Resources, Site};
     /// let site = Site::open("site.helio")?;
-    /// let year = ReplayRequest { every: Every::Year, ..ReplayRequest::of("rotterdam.epw") };
+    /// let year = ReplayRequest { every: Every::Year, ..ReplayRequest::new("rotterdam.epw") };
     /// let roofs = BuildingsRequest { output: "roofs.csv".into(), ..BuildingsRequest::default() };
     /// println!("{} buildings", site.buildings(&year, &roofs, &Resources::usual())?.buildings);
     /// # Ok(())
@@ -386,7 +386,7 @@ impl Site {
     /// # fn main() -> heliotile::Result<()> {
     /// # use heliotile::{Every, PlacesRequest, ReplayRequest, Resources, Site};
     /// let site = Site::open("site.helio")?;
-    /// let year = ReplayRequest { every: Every::Year, ..ReplayRequest::of("rotterdam.epw") };
+    /// let year = ReplayRequest { every: Every::Year, ..ReplayRequest::new("rotterdam.epw") };
     /// let best = PlacesRequest { output: "modules.csv".into(), best: 20, ..PlacesRequest::default() };
     /// println!("{} places", site.places(&year, &best, &Resources::usual())?.places);
     /// # Ok(())
@@ -409,8 +409,8 @@ impl Site {
     /// ```no_run
     /// # fn main() -> heliotile::Result<()> {
     /// # use heliotile::{ComfortRequest, FileRequest, Resources, Site};
-    /// let people = ComfortRequest::of("rotterdam.epw");
-    /// Site::open("square.helio")?.comfort(&people, &FileRequest::of("utci.csv"), &Resources::usual())?;
+    /// let people = ComfortRequest::new("rotterdam.epw");
+    /// Site::open("square.helio")?.comfort(&people, &FileRequest::new("utci.csv"), &Resources::usual())?;
     /// # Ok(())
     /// # }
     /// ```
@@ -447,7 +447,7 @@ impl Site {
     /// # use heliotile::{FileRequest, Resources, Site, SunlightRequest};
     /// let site = Site::open("site.helio")?;
     /// let march = SunlightRequest { dates: vec!["03-21".parse()?], ..SunlightRequest::default() };
-    /// let done = site.sunlight(&march, &FileRequest::of("hours.csv"), &Resources::usual())?;
+    /// let done = site.sunlight(&march, &FileRequest::new("hours.csv"), &Resources::usual())?;
     /// println!("{} places", done.places);
     /// # Ok(())
     /// # }

@@ -199,7 +199,7 @@ pub fn cover_scene(
     doubts(&soup, &surfaces).iter().for_each(|doubt| observer.warn(doubt));
     // The rest of the soup is dropped to free its memory.
     let Soup { source_faces: faces, .. } = soup;
-    let wanted = Wanted::of(asked, &scene.materials, &surfaces)?;
+    let wanted = Wanted::new(asked, &scene.materials, &surfaces)?;
     let density = asked.density;
     let (mut chosen, mut small, mut beside) = (Vec::new(), (0, 0.0), BTreeMap::new());
     let within = asked.within.as_ref();
@@ -358,7 +358,7 @@ struct Wanted {
 }
 
 impl Wanted {
-    fn of(asked: &CoverRequest, materials: &[Material], surfaces: &Surfaces) -> Result<Wanted> {
+    fn new(asked: &CoverRequest, materials: &[Material], surfaces: &Surfaces) -> Result<Wanted> {
         // A part of a region, and what is added to a scene, may lack some requested names.
         let is_part = asked.within.is_some() || asked.may_be_none;
         let types = asked.types.iter().map(|name| name.trim().to_lowercase()).collect();

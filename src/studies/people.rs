@@ -77,7 +77,7 @@ pub struct ComfortSiteRequest {
 
 impl Default for ComfortSiteRequest {
     fn default() -> Self {
-        ComfortSiteRequest::of(SceneRequest::default(), "")
+        ComfortSiteRequest::new(SceneRequest::default(), "")
     }
 }
 
@@ -97,7 +97,7 @@ struct LoadedScene {
 }
 
 impl LoadedScene {
-    fn of(site: &SceneFiles, observer: &dyn Observer) -> Result<Self> {
+    fn new(site: &SceneFiles, observer: &dyn Observer) -> Result<Self> {
         let (scene, soup) = Scene::load_with_objects(site)?;
         scene.report.tell(observer);
         Ok(LoadedScene { scene, soup, within: site.within })
@@ -106,7 +106,7 @@ impl LoadedScene {
 
 impl ComfortSiteRequest {
     /// Returns a request for people on the ground, 2 m apart.
-    pub fn of(scene: SceneRequest, folder: impl Into<PathBuf>) -> Self {
+    pub fn new(scene: SceneRequest, folder: impl Into<PathBuf>) -> Self {
         ComfortSiteRequest {
             scene,
             points: None,
@@ -132,7 +132,7 @@ impl ComfortSiteRequest {
             }
         }
         let site = self.scene.site()?;
-        let (load, mut loaded) = (|| LoadedScene::of(&site, observer), None);
+        let (load, mut loaded) = (|| LoadedScene::new(&site, observer), None);
         // Weather is checked before the scene is loaded, which takes longer. A weather file that
         // states no place takes the scene's, which loads the scene.
         if let Some(asked) = asked {
@@ -148,7 +148,7 @@ impl ComfortSiteRequest {
         let beside = tempfile::Builder::new().prefix(".comfort").tempdir_in(&self.folder);
         let beside = beside.map_err(Error::io(&self.folder, "make a folder in"))?;
         let receivers = beside.path().join("receivers.csv");
-        write_receivers(&receivers, &stands, North::of(scene.place.as_ref()))?;
+        write_receivers(&receivers, &stands, North::new(scene.place.as_ref()))?;
         let build = SiteBuild {
             memory: resources.memory,
             files: resources.files,

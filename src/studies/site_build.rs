@@ -282,7 +282,7 @@ pub struct SiteArchiveRequest {
 
 impl SiteArchiveRequest {
     /// Returns a request with default receivers and accuracy.
-    pub fn of(scene: SceneRequest, folder: impl Into<PathBuf>) -> Self {
+    pub fn new(scene: SceneRequest, folder: impl Into<PathBuf>) -> Self {
         let (cover, accuracy) = (CoverRequest::default(), AccuracyRequest::default());
         SiteArchiveRequest {
             scene,

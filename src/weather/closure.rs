@@ -58,7 +58,7 @@ pub struct Closure {
 impl Closure {
     /// Checks the rows for which GHI, DNI and DHI were all in the file; `None` if there are too
     /// few.
-    pub fn of<'r>(site: &Location, rows: impl Iterator<Item = &'r WeatherRow>) -> Option<Self> {
+    pub fn new<'r>(site: &Location, rows: impl Iterator<Item = &'r WeatherRow>) -> Option<Self> {
         let mut usable: Vec<(&WeatherRow, f64)> = rows
             .filter(|row| row.dni_w_m2 > 0.0)
             .filter_map(|row| row.ghi_w_m2.map(|ghi| (row, ghi)))

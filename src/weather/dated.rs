@@ -30,7 +30,7 @@ impl DatedRows {
     /// Returns the rows of a span with the dates of the file.
     pub fn of_file(rows: &[Interval], file: &Path, span: &Span) -> Result<Self> {
         let dates: Vec<Date> = rows.iter().map(|row| row.date).collect();
-        let (chosen, years) = (span.rows_of(rows, file)?, Years::of(dates.iter().copied()));
+        let (chosen, years) = (span.rows_of(rows, file)?, Years::new(dates.iter().copied()));
         Ok(DatedRows { chosen, dates, years, warnings: Vec::new() })
     }
 
@@ -42,10 +42,10 @@ impl DatedRows {
         let moved: Vec<Interval> =
             rows.iter().map(|row| Interval { date: at(row.date).unwrap_or(row.date), ..*row }).collect();
         // In a file of several years the span chooses by these; else it names the new year.
-        let several = Years::of(rows.iter().map(|row| row.date)) == Years::Several;
+        let several = Years::new(rows.iter().map(|row| row.date)) == Years::Several;
         let mut chosen = span.rows_of(if several { rows } else { &moved }, file)?;
         let taken = || rows.iter().zip(&chosen).filter_map(|(row, chosen)| chosen.then_some(row.date));
-        if Years::of(taken()) == Years::Several {
+        if Years::new(taken()) == Years::Several {
             let what = format!("months of several years cannot all be put into {year}");
             let hint = "choose the months of one year with {from} and {to}, or leave {year} out";
             return Err(Error::input(file, None, what, hint));

@@ -20,7 +20,7 @@ pub struct WeatherSums {
 
 impl WeatherSums {
     /// Returns the sums of rows whose intervals last `interval_hours`.
-    fn of<'r>(rows: impl Iterator<Item = &'r WeatherRow>, interval_hours: f64) -> Self {
+    fn new<'r>(rows: impl Iterator<Item = &'r WeatherRow>, interval_hours: f64) -> Self {
         let nothing = WeatherSums { ghi_kwh_m2: Some(0.0), ..WeatherSums::default() };
         rows.fold(nothing, |sums, row| {
             let dark = row.dni_w_m2 == 0.0 && row.dhi_w_m2 == 0.0;
@@ -39,7 +39,7 @@ impl WeatherSums {
 impl Weather {
     /// Returns the sums of all rows.
     pub fn sums(&self) -> WeatherSums {
-        WeatherSums::of(self.rows.iter(), self.interval_hours)
+        WeatherSums::new(self.rows.iter(), self.interval_hours)
     }
 
     /// Returns the sums of each month that has rows, by its year and its number from 1 to 12, in
@@ -47,7 +47,7 @@ impl Weather {
     pub fn monthly_sums(&self) -> Vec<((i32, u32), WeatherSums)> {
         let month = |row: &WeatherRow| (row.interval.date.year, row.interval.date.month);
         let months = self.rows.chunk_by(|row, next| month(row) == month(next));
-        months.map(|rows| (month(&rows[0]), WeatherSums::of(rows.iter(), self.interval_hours))).collect()
+        months.map(|rows| (month(&rows[0]), WeatherSums::new(rows.iter(), self.interval_hours))).collect()
     }
 }
 

@@ -51,8 +51,8 @@ fn bytes_depend_on_content_only() {
 fn cached_response_is_the_derived_one() {
     let site = site(&scene(&town(), &[0.2, 0.4]), &many(), &fine());
     let archive = Archive::open(&site.path).expect("an archive");
-    let open = OpenSite::of(&archive).expect("a site");
-    let tables = Tables::of(&open).expect("tables");
+    let open = OpenSite::open(&archive).expect("a site");
+    let tables = Tables::new(&open).expect("tables");
     let responder =
         ResponseSolver::new(&tables, MaxBounces::All, MemoryBudget::DEFAULT, &InMemory).expect("a responder");
     let views: Vec<_> = (0..archive.tiles()).map(|tile| TileView::read(&open, tile).expect("a tile")).collect();

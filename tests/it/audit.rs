@@ -62,10 +62,10 @@ fn mirrors_and_glass_agree_with_the_reference() {
 fn an_audit_refutes_false_claims_only() {
     let folder = Folder::new();
     let files = [folder.path("scene.obj")];
-    let scene = SceneFiles::of(&files, Some(&folder.path("materials.toml"))).and_then(|site| Scene::load_site(&site));
+    let scene = SceneFiles::new(&files, Some(&folder.path("materials.toml"))).and_then(|site| Scene::load_site(&site));
     let scene = scene.expect("a scene");
     for (name, rmse_percent) in [("modest.helio", 20.0), ("bold.helio", 0.01)] {
-        let (plan, output) = plan(&Rungs::of(Quality::Draft).settings(), &folder.path(name));
+        let (plan, output) = plan(&Rungs::new(Quality::Draft).settings(), &folder.path(name));
         let plan = Plan { accuracy: Some(Accuracy { rmse_percent, ..Accuracy::default() }), ..plan };
         build(&scene, &mut tiles(&many(), &scene), &(plan, output)).expect("a build");
     }

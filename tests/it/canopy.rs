@@ -52,7 +52,7 @@ pub fn columns(
     let archive = Archive::open(path).expect("an archive");
     let settings = ReplaySettings { sky, memory: MemoryBudget::new(1 << 28), ..ReplaySettings::default() };
     let bins = Bins::each(conditions.len());
-    let replay = Replay::builder(&OpenSite::of(&archive).expect("a site"), conditions, settings)
+    let replay = Replay::builder(&OpenSite::open(&archive).expect("a site"), conditions, settings)
         .summed(&bins)
         .scheduled(schedules)
         .build()
@@ -227,7 +227,7 @@ fn maps_add_up() {
     let site = site(&grove(0.3, 0.5), &(0..6).map(under).collect::<Vec<_>>(), &coarse());
     let condition = sun(140.0, 50.0, 800.0, 150.0);
     let archive = Archive::open(&site.path).expect("an archive");
-    let open = OpenSite::of(&archive).expect("a site");
+    let open = OpenSite::open(&archive).expect("a site");
     let mut dimmed = 0;
     for model in [SkyModel::Uniform, SkyModel::Perez1990] {
         let rows = columns(&site.path, std::slice::from_ref(&condition), model, &[]);
@@ -443,7 +443,7 @@ fn hostile_bytes_of(leaf_material: Material) -> [usize; 2] {
             found += usize::from(!report.problems.is_empty());
             let archive = Archive::open(&bad).expect("an archive");
             let settings = ReplaySettings { memory: MemoryBudget::new(1 << 28), ..ReplaySettings::default() };
-            let site = OpenSite::of(&archive);
+            let site = OpenSite::open(&archive);
             let replay =
                 site.and_then(|site| Replay::builder(&site, conditions, settings).scheduled(&schedule).build());
             match replay.and_then(|replay| replay.run(0..1)) {

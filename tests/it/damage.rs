@@ -56,7 +56,7 @@ fn ask(path: &Path) -> Result<Vec<u32>, Error> {
             memory: MemoryBudget::new(1 << 26),
             storage: &InMemory,
         };
-        let replay = Replay::new(&OpenSite::of(&archive)?, &[sun(90.0, 60.0, 800.0, 100.0)], settings)?;
+        let replay = Replay::new(&OpenSite::open(&archive)?, &[sun(90.0, 60.0, 800.0, 100.0)], settings)?;
         for (ids, values) in replay.run(0..replay.tiles())? {
             for row in 0..ids.len() {
                 answers.extend(Component::ALL.map(|component| values.row(component, row)[0].to_bits()));

@@ -50,12 +50,12 @@ fn weighted(maps: &[Map], map: &str, name: &str) -> f64 {
 
 fn maps_of(path: &Path, id: &str, light: Option<(SkyModel, MaxBounces, &[f64; 4])>) -> Vec<Map> {
     let archive = Archive::open(path).expect("an archive");
-    let view = ReceiverView::load(&OpenSite::of(&archive).expect("a site"), id).expect("a receiver");
+    let view = ReceiverView::load(&OpenSite::open(&archive).expect("a site"), id).expect("a receiver");
     let light = light.map(|(sky, depth, &[azimuth, altitude, dni, dhi])| {
-        Illumination::new(&OpenSite::of(&archive).expect("a site"), sun(azimuth, altitude, dni, dhi), sky, 577, depth)
+        Illumination::new(&OpenSite::open(&archive).expect("a site"), sun(azimuth, altitude, dni, dhi), sky, 577, depth)
             .expect("a light")
     });
-    maps(&OpenSite::of(&archive).expect("a site"), &view, light.as_ref(), MemoryBudget::new(1 << 28), &InMemory)
+    maps(&OpenSite::open(&archive).expect("a site"), &view, light.as_ref(), MemoryBudget::new(1 << 28), &InMemory)
         .expect("maps")
 }
 
@@ -142,7 +142,7 @@ fn maps_of_mirrors_sum_to_results() {
         let archive = Archive::open(&site.path).expect("an archive");
         let conditions = [sun(light[0], light[1], light[2], light[3])];
         let settings = ReplaySettings { sky: model, paths: depth.into(), ..ReplaySettings::default() };
-        let replay = Replay::new(&OpenSite::of(&archive).expect("a site"), &conditions, settings).expect("a replay");
+        let replay = Replay::new(&OpenSite::open(&archive).expect("a site"), &conditions, settings).expect("a replay");
         for (ids, values) in replay.run(0..replay.tiles()).expect("tiles") {
             for (row, id) in ids.iter().enumerate() {
                 let maps = maps_of(&site.path, id, Some((model, depth, &light)));
@@ -242,7 +242,7 @@ fn a_panel_shows_the_sun_in_a_mirror() {
     let scene = Scene::from_triangles(&triangles, mirror_materials()).expect("a valid scene");
     let site = site(&scene, &[receiver("up", v(0.0, 0.0, 0.0), DVec3::Z)], &fine());
     let archive = Archive::open(&site.path).expect("an archive");
-    let view = ReceiverView::load(&OpenSite::of(&archive).expect("a site"), "up").expect("a receiver");
+    let view = ReceiverView::load(&OpenSite::open(&archive).expect("a site"), "up").expect("a receiver");
     let light = [180.0, 40.0, 800.0, 100.0];
     let maps = maps_of(&site.path, "up", Some((SkyModel::Uniform, MaxBounces::All, &light)));
     let sun = direction_from_degrees(180.0, 40.0);
@@ -296,7 +296,7 @@ fn fisheye_shows_what_is_there() {
     let draw = |id: &str, overlay: &Overlay| {
         decoded(
             &fisheye(
-                &ReceiverView::load(&OpenSite::of(&archive).expect("a site"), id).expect("a receiver"),
+                &ReceiverView::load(&OpenSite::open(&archive).expect("a site"), id).expect("a receiver"),
                 overlay,
                 &Provenance::default(),
             )
@@ -328,7 +328,7 @@ fn fisheye_shows_what_is_there() {
     let clad = Scene::from_triangles(&triangles, mirror_materials()).expect("a valid scene");
     let clad = crate::export::site(&clad, &[receiver("up", v(0.0, 0.0, 0.0), DVec3::Z)], &fine());
     let view =
-        ReceiverView::load(&OpenSite::of(&Archive::open(&clad.path).expect("an archive")).expect("a site"), "up")
+        ReceiverView::load(&OpenSite::open(&Archive::open(&clad.path).expect("an archive")).expect("a site"), "up")
             .expect("a receiver");
     let mirrored = decoded(&fisheye(&view, &Overlay::default(), &Provenance::default()).expect("a picture"));
     assert_eq!([pixel(&mirrored, 190.0, 40.0), pixel(&mirrored, 355.0, 22.0)], [MIRROR, GROUND]);

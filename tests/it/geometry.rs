@@ -51,7 +51,7 @@ fn receivers() -> Vec<Receiver> {
 }
 
 fn built(scene: &Scene, path: &Path, with_scene: bool) -> Archive {
-    let (whole, output) = plan(&Rungs::of(Quality::Draft).settings(), path);
+    let (whole, output) = plan(&Rungs::new(Quality::Draft).settings(), path);
     build(scene, &mut tiles(&receivers(), scene), &(Plan { with_scene, ..whole }, output)).expect("a build");
     Archive::open(path).expect("an archive")
 }
@@ -144,7 +144,7 @@ fn overviews_hold_places_and_sums_of_receivers() {
     let place = Place { latitude_deg: 52.08, longitude_deg: 4.31, convergence_deg: 12.0, epsg: None };
     town.place = Some(place);
     let archive = built(&town, &folder.path().join("site.helio"), true);
-    let site = OpenSite::of(&archive).expect("a site");
+    let site = OpenSite::open(&archive).expect("a site");
     let (conditions, bins) = clear_year(&place);
     assert!(conditions.len() > 100, "{}", conditions.len());
     let settings = ReplaySettings { patches: 145, ..ReplaySettings::default() };
@@ -193,7 +193,7 @@ fn patches_come_from_the_table() {
     for tile in 0..archive.tiles() {
         let table = OverviewTable::from_block(&archive.block(format::OVERVIEW, TileNumber(tile)).expect("a block"))
             .expect("a table");
-        let site = OpenSite::of(&archive).expect("a site");
+        let site = OpenSite::open(&archive).expect("a site");
         shown.extend(site.tile_receivers(tile).expect("receivers").ids.into_iter().zip(table.patches()));
     }
     for receiver in &rows {

@@ -172,7 +172,7 @@ fn lying_settings_are_refused() {
             storage: &InMemory,
         };
         let conditions = [sun(90.0, 60.0, 800.0, 100.0)];
-        let replay = OpenSite::of(&copy).and_then(|site| Replay::new(&site, &conditions, settings));
+        let replay = OpenSite::open(&copy).and_then(|site| Replay::new(&site, &conditions, settings));
         replay.and_then(|replay| replay.run(0..1).map(drop)).err().map_or(String::new(), |error| error.to_string())
     };
     let depths = [MaxBounces::All, MaxBounces::Count(1)];
@@ -233,7 +233,7 @@ fn refusal_of(path: &Path, depth: MaxBounces) -> Option<String> {
         ..ReplaySettings::default()
     };
     let conditions = [sun(90.0, 60.0, 800.0, 100.0)];
-    let replay = OpenSite::of(&copy).and_then(|site| Replay::new(&site, &conditions, settings));
+    let replay = OpenSite::open(&copy).and_then(|site| Replay::new(&site, &conditions, settings));
     replay.and_then(|replay| replay.run(0..replay.tiles()).map(drop)).err().map(|error| error.to_string())
 }
 

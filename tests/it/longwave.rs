@@ -30,9 +30,9 @@ fn night() -> Condition {
 /// Returns the longwave irradiance of each receiver in one condition.
 fn longwave(site: &Site, condition: Condition) -> BTreeMap<String, f64> {
     let archive = Archive::open(&site.path).expect("an archive");
-    let components = ComponentSet::of(&[Component::Longwave]);
+    let components = ComponentSet::new(&[Component::Longwave]);
     let settings = ReplaySettings { components, ..ReplaySettings::default() };
-    let replay = Replay::new(&OpenSite::of(&archive).expect("a site"), &[condition], settings).expect("a replay");
+    let replay = Replay::new(&OpenSite::open(&archive).expect("a site"), &[condition], settings).expect("a replay");
     let tiles = replay.run(0..replay.tiles()).expect("tiles");
     let rows = tiles.into_iter().flat_map(|(ids, values)| {
         let row = |r: usize| f64::from(values.row(Component::Longwave, r)[0]);

@@ -63,7 +63,7 @@ impl Built {
     ) -> BTreeMap<String, Vec<f64>> {
         let settings = ReplaySettings { sky, paths: depth.into(), ..ReplaySettings::default() };
         let replay =
-            Replay::new(&OpenSite::of(&self.archive).expect("a site"), conditions, settings).expect("a replay");
+            Replay::new(&OpenSite::open(&self.archive).expect("a site"), conditions, settings).expect("a replay");
         let mut rows = BTreeMap::new();
         for tile in replay.results(0..replay.tiles()) {
             let (ids, values) = tile.expect("a tile");

@@ -67,7 +67,7 @@ fn chosen(archive: &Archive, selection: &Selection) -> (Result<Vec<String>>, usi
     let folder = archive.path().parent().expect("a folder");
     let kept = selection.resolve(&[site], folder, 1 << 20);
     let read = counted.read.load(Ordering::Relaxed);
-    let of = OpenSite::of(archive).expect("a site");
+    let of = OpenSite::open(archive).expect("a site");
     let ids = |kept: Vec<bool>| {
         let rows = ArchiveReceivers::<()>::new(&of).zip(kept).filter(|(_, kept)| *kept);
         rows.map(|(row, _)| row.expect("a receiver").receiver.id).collect()

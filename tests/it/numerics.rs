@@ -112,7 +112,7 @@ fn blocks_of_the_tree_change_nothing() {
     assert!(count > 150_000);
     let whole = Tracer::new(&scene.mesh).expect("a tree");
     let every_fifth = |i: u32| (i..count).step_by(5).collect::<Vec<u32>>();
-    let parts: Vec<Tracer> = (0..5).map(|i| Tracer::of(&scene.mesh, &every_fifth(i))).collect();
+    let parts: Vec<Tracer> = (0..5).map(|i| Tracer::of_triangles(&scene.mesh, &every_fifth(i))).collect();
     let rays: Vec<Ray> =
         (0..20_000).map(|i| ray(12.0 * (jitter(8, i / 16) - 0.5).extend(0.1), anywhere(9, i))).collect();
     let apart: Vec<_> = parts.iter().map(|part| part.closest_many(&rays)).collect();
@@ -254,7 +254,7 @@ fn no_false_self_hits() {
         // Points within a centimetre of an edge are avoided, where the neighbour is met rightly.
         let p = a + (b - a) * (0.02 + 0.9 * j.x) + (c - a) * (0.02 + 0.9 * j.y) + normal * off;
         let eye = p + normal * tracer.offset_m(p);
-        let frame = heliotile_core::hemisphere::Frame::of(normal);
+        let frame = heliotile_core::hemisphere::Frame::new(normal);
         let rays: Vec<Ray> = texels_in_blocks(32)
             .map(|(c, r)| ray(eye, frame.to_world(texel_direction(c, r, 32, glam::DVec2::splat(0.5)))))
             .collect();

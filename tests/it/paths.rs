@@ -47,10 +47,10 @@ fn light(site: &Site, paths: LightPaths, schedules: &[Schedule]) -> BTreeMap<Str
     let settings = ReplaySettings {
         sky: SkyModel::Uniform,
         paths,
-        components: ComponentSet::of(&all),
+        components: ComponentSet::new(&all),
         ..ReplaySettings::default()
     };
-    let (conditions, opened) = (conditions(), OpenSite::of(&archive).expect("a site"));
+    let (conditions, opened) = (conditions(), OpenSite::open(&archive).expect("a site"));
     let bins = Bins::each(conditions.len());
     let replay =
         Replay::builder(&opened, &conditions, settings).summed(&bins).scheduled(schedules).build().expect("a replay");
@@ -94,7 +94,7 @@ fn mean(of: &BTreeMap<String, Vec<Vec<f64>>>, component: Component) -> f64 {
 fn reflected_light_splits_into_ground_and_obstructions() {
     let site = site(&mirror_town(), &many()[..64], &coarse());
     let archive = Archive::open(&site.path).expect("an archive");
-    let of_ground = |value: f64| [ground_of(&OpenSite::of(&archive).expect("a site"), value, 24)];
+    let of_ground = |value: f64| [ground_of(&OpenSite::open(&archive).expect("a site"), value, 24)];
     let wholes = [Component::SunReflected, Component::SkyReflected];
     for paths in [LightPaths::ALL, LightPaths::FIRST] {
         let found = light(&site, paths, &[]);
@@ -151,7 +151,7 @@ fn paths_left_out_take_their_light_away() {
 fn factors_add_up() {
     let site = site(&mirror_town(), &many()[..64], &coarse());
     let archive = Archive::open(&site.path).expect("an archive");
-    let opened = OpenSite::of(&archive).expect("a site");
+    let opened = OpenSite::open(&archive).expect("a site");
     let grid = SunGrid::new(72.0, 30.0).expect("a grid");
     let factors = grid.replay(&opened, ReplaySettings::default()).expect("factors");
     let mut conditions = grid.conditions(700.0);

@@ -310,7 +310,7 @@ fn well_by_paths(size: DVec3, at: DVec3, normal: DVec3, rho: f64) -> f64 {
         let (mut p, mut n, mut weight) = (at, normal, 1.0);
         loop {
             let (r, phi) = (random().sqrt(), 2.0 * PI * random());
-            let frame = Frame::of(n);
+            let frame = Frame::new(n);
             let d = frame.to_world(v(r * phi.cos(), r * phi.sin(), (1.0 - r * r).sqrt()));
             let to = |i: usize| match d[i] {
                 x if x > 0.0 => (size[i] - p[i]) / x,

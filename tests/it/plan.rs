@@ -48,7 +48,7 @@ fn losses(scene: &Scene, receivers: &[Receiver], climate: &ErrorConditions) -> Y
     let (prepared, workspace) = (PreparedScene::new(scene).expect("a tree"), workspace(folder.path(), 1 << 30));
     let mut receivers = tiles(receivers, scene);
     let mut build = Build { scene: &prepared, receivers: &mut receivers, workspace: &workspace, observer: &Silent };
-    YearLosses::of(&mut build, climate).expect("losses")
+    YearLosses::new(&mut build, climate).expect("losses")
 }
 
 fn built(scene: &Scene, receivers: &[Receiver], left_out: Effects) -> (tempfile::TempDir, Archive, BuildReport) {
@@ -74,7 +74,7 @@ fn built_with(
 fn totals(archive: &Archive, suns: &[Condition]) -> Vec<f64> {
     let paths = MaxBounces::Count(100).into();
     let settings = ReplaySettings { sky: SkyModel::Uniform, patches: 145, paths, ..ReplaySettings::default() };
-    let replay = Replay::new(&OpenSite::of(archive).expect("a site"), suns, settings).expect("a replay");
+    let replay = Replay::new(&OpenSite::open(archive).expect("a site"), suns, settings).expect("a replay");
     let mut found = Vec::new();
     for tile in replay.results(0..replay.tiles()) {
         let (ids, values) = tile.expect("a tile");
@@ -156,7 +156,7 @@ fn losses_are_bounded() {
 /// Returns the sum of the totals over all conditions, kWh/m2, mean of the receivers.
 fn year_sum(archive: &Archive, year: &[Condition]) -> f64 {
     let bins = Bins { count: 1, of_condition: vec![(0, 1e-3); year.len()] };
-    let site = OpenSite::of(archive).expect("a site");
+    let site = OpenSite::open(archive).expect("a site");
     let replay = Replay::builder(&site, year, ReplaySettings::default()).summed(&bins).build().expect("a replay");
     let mut sums = Vec::new();
     for tile in replay.results(0..replay.tiles()) {

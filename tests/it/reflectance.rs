@@ -32,7 +32,7 @@ fn totals(site: &Site, schedules: &[Schedule]) -> BTreeMap<String, Vec<f64>> {
     let (conditions, settings) =
         (conditions(), ReplaySettings { memory: MemoryBudget::new(1 << 28), ..ReplaySettings::default() });
     let bins = Bins::each(conditions.len());
-    let replay = Replay::builder(&OpenSite::of(&archive).expect("a site"), &conditions, settings)
+    let replay = Replay::builder(&OpenSite::open(&archive).expect("a site"), &conditions, settings)
         .summed(&bins)
         .scheduled(schedules)
         .build()
@@ -122,7 +122,7 @@ fn mirrors_leave_less() {
         BuildSettings { sky_base: 16, sky_fine: 32, hit: 8, probe: 8, cell_floor_m: 4.0, ..BuildSettings::default() };
     let site = site(&mirror_town(), &many()[..4], &coarse);
     let archive = Archive::open(&site.path).expect("an archive");
-    let opened = OpenSite::of(&archive).expect("a site");
+    let opened = OpenSite::open(&archive).expect("a site");
     let changeable = Changeable { site: &site.path, materials: opened.materials(), ground: None };
     for (name, value, most) in [
         ("glass", 0.76, None),

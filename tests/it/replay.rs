@@ -44,7 +44,7 @@ fn receivers(archive: &Archive) -> Vec<Receiver> {
     let (base, fine) = (settings.sky_base as usize, settings.sky_fine as usize);
     let raw = archive.block(format::SKY, TileNumber::FIRST).expect("sky");
     let sky = SkyTexture::unpack(raw.bytes(), table.ids.len(), base, fine).expect("bits");
-    let responses = OpenSite::of(archive).expect("a site").tile_responses(0).expect("responses");
+    let responses = OpenSite::open(archive).expect("a site").tile_responses(0).expect("responses");
     let rows = table.normal.iter().zip(sky).zip(responses).take(RECEIVERS);
     rows.map(|((n, sky), response)| Receiver { normal: DVec3::from(*n), sky, response }).collect()
 }
@@ -94,7 +94,7 @@ fn replay_equals_the_plain_computation() {
     let conditions = read_weather(&weather).expect("weather").conditions(1);
     let replay = |bins: &Bins| {
         let settings = ReplaySettings::default();
-        let replay = Replay::builder(&OpenSite::of(&archive).expect("a site"), &conditions, settings)
+        let replay = Replay::builder(&OpenSite::open(&archive).expect("a site"), &conditions, settings)
             .summed(bins)
             .build()
             .expect("a replay");

@@ -110,7 +110,7 @@ struct All<'a> {
 
 impl<'a> All<'a> {
     fn load(archive: &'a Archive) -> Self {
-        let tables = Tables::of(&OpenSite::of(archive).expect("a site")).expect("tables");
+        let tables = Tables::new(&OpenSite::open(archive).expect("a site")).expect("tables");
         let all = |source: &CellSource| {
             let chunk = |chunk| source.chunk(chunk).expect("a chunk");
             Cells::join(&(0..source.chunks()).map(chunk).collect::<Vec<_>>())
@@ -162,7 +162,7 @@ fn response_equals_plain_loop() {
     let archive = Archive::open(&site.path).expect("an archive");
     let all = All::load(&archive);
     let (tables, bounces) = (&all.tables, &all.bounces);
-    let view = TileView::read(&OpenSite::of(&archive).expect("a site"), 0).expect("a tile");
+    let view = TileView::read(&OpenSite::open(&archive).expect("a site"), 0).expect("a tile");
     let responder =
         ResponseSolver::new(tables, MaxBounces::All, MemoryBudget::DEFAULT, &InMemory).expect("a responder");
     let rho = |i: usize| tables.mirrors.reflectors[usize::from(bounces.keys[i].material)].diffuse;
@@ -234,7 +234,7 @@ fn few_bounces_equal_plain_loop() {
     let archive = Archive::open(&site.path).expect("an archive");
     let all = All::load(&archive);
     let (tables, bounces) = (&all.tables, &all.bounces);
-    let view = TileView::read(&OpenSite::of(&archive).expect("a site"), 0).expect("a tile");
+    let view = TileView::read(&OpenSite::open(&archive).expect("a site"), 0).expect("a tile");
     let rho = |i: usize| tables.mirrors.reflectors[usize::from(bounces.keys[i].material)].diffuse;
     let (probe, coarse) = (tables.settings.probe, tables.settings.bounce_sky);
     let fine = texel_centres(probe);
@@ -320,8 +320,8 @@ fn sums_are_the_sums_of_hours() {
     let weight = |i: usize| 0.5 + 0.01 * i as f64;
     let bins = Bins { count: 5, of_condition: (0..200).map(|i| (i * 7 % 5, weight(i))).collect() };
     let run = |replay: Replay| replay.run(0..1).expect("a tile").remove(0).1;
-    let hours = run(Replay::new(&OpenSite::of(&archive).expect("a site"), &conditions, settings).expect("a replay"));
-    let sums = run(Replay::builder(&OpenSite::of(&archive).expect("a site"), &conditions, settings)
+    let hours = run(Replay::new(&OpenSite::open(&archive).expect("a site"), &conditions, settings).expect("a replay"));
+    let sums = run(Replay::builder(&OpenSite::open(&archive).expect("a site"), &conditions, settings)
         .summed(&bins)
         .build()
         .expect("a replay"));
@@ -365,7 +365,7 @@ fn coding_adds_little() {
             memory: MemoryBudget::new(1 << 28),
             storage: &InMemory,
         };
-        let replay = Replay::new(&OpenSite::of(&archive).expect("a site"), &conditions, settings).expect("a replay");
+        let replay = Replay::new(&OpenSite::open(&archive).expect("a site"), &conditions, settings).expect("a replay");
         replay.run(0..1).expect("a tile").remove(0).1
     };
     let (coded, plain) = (run(MaxBounces::All), run(MaxBounces::Count(100)));
@@ -387,8 +387,8 @@ fn coding_adds_little() {
 fn stored_radiosities_keep_every_bit() {
     let site = site(&blocks(), &twenty(), &BuildSettings::default());
     let archive = Archive::open(&site.path).expect("an archive");
-    let opened = OpenSite::of(&archive).expect("a site");
-    let (tables, view) = (Tables::of(&opened).expect("tables"), TileView::read(&opened, 0).expect("a tile"));
+    let opened = OpenSite::open(&archive).expect("a site");
+    let (tables, view) = (Tables::new(&opened).expect("tables"), TileView::read(&opened, 0).expect("a tile"));
     let folder = tempfile::tempdir().expect("a folder");
     let derived = |bytes: u64, storage: &dyn ScratchSpace| {
         let stored: Vec<f64> = tables.mirrors.reflectors.iter().map(Reflector::variable).collect();

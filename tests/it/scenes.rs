@@ -168,7 +168,7 @@ pub struct Site {
 
 /// Returns settings for tests whose bounds the default ones do not keep.
 pub fn fine() -> BuildSettings {
-    Rungs::of(Quality::Fine).settings()
+    Rungs::new(Quality::Fine).settings()
 }
 
 /// Returns three times the error, W/m2, that the coding of responses of n x n texels may add to the
@@ -190,7 +190,7 @@ pub fn workspace(folder: &Path, bytes: u64) -> Workspace {
 
 /// Returns the plan and output of an archive with some settings.
 pub fn plan(settings: &BuildSettings, path: &Path) -> (Plan, Output) {
-    (Plan::of(*settings), Output::new(path))
+    (Plan::new(*settings), Output::new(path))
 }
 
 /// Traces receivers by a plan.
@@ -279,7 +279,7 @@ pub fn replay(
         memory: MemoryBudget::new(1 << 30),
         storage: &InMemory,
     };
-    let replay = Replay::new(&OpenSite::of(&archive).expect("a site"), conditions, settings).expect("a replay");
+    let replay = Replay::new(&OpenSite::open(&archive).expect("a site"), conditions, settings).expect("a replay");
     let mut rows = BTreeMap::new();
     for (ids, values) in replay.run(0..replay.tiles()).expect("tiles") {
         for (r, id) in ids.into_iter().enumerate() {

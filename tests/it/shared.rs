@@ -38,7 +38,7 @@ fn hidden(at: DVec3) -> Triangles {
 /// Returns all cells of an archive, probes and bounce cells apart, by key.
 fn cells(path: &std::path::Path) -> [BTreeMap<CellKey, Cell>; 2] {
     let archive = Archive::open(path).expect("an archive");
-    let site = OpenSite::of(&archive).expect("a site");
+    let site = OpenSite::open(&archive).expect("a site");
     let sources = [CellSource::probes(&site).expect("probes"), CellSource::bounces(&site).expect("bounce cells")];
     sources.map(|source| {
         let chunk = |number: usize| {

@@ -29,7 +29,7 @@ fn hours() -> Vec<Condition> {
 /// of the largest sum, and that sum, kWh/m2.
 fn off(site: &Site, component: Component, sky: SkyModel) -> (f64, f64) {
     let archive = Archive::open(&site.path).expect("an archive");
-    let opened = OpenSite::of(&archive).expect("a site");
+    let opened = OpenSite::open(&archive).expect("a site");
     let (hours, settings) = (hours(), ReplaySettings { sky, ..ReplaySettings::default() });
     let each = Replay::new(&opened, &hours, settings).expect("a replay");
     let of_condition: Vec<(usize, f64)> = (0..hours.len()).map(|i| (i % 3, 1e-3 + 1e-6 * i as f64)).collect();

@@ -30,10 +30,10 @@ struct Way<'w> {
 /// Returns one component by receiver, `[condition]`.
 fn column(site: &Site, conditions: &[Condition], component: Component, way: &Way) -> BTreeMap<String, Vec<f64>> {
     let archive = Archive::open(&site.path).expect("an archive");
-    let components = ComponentSet::of(&[component]);
+    let components = ComponentSet::new(&[component]);
     let (sky, paths) = (SkyModel::Perez1990, way.depth.into());
     let settings = ReplaySettings { sky, paths, components, ..ReplaySettings::default() };
-    let open = OpenSite::of(&archive).expect("a site");
+    let open = OpenSite::open(&archive).expect("a site");
     let replay = Replay::builder(&open, conditions, settings)
         .summed(way.bins)
         .scheduled(way.schedules)

@@ -282,7 +282,7 @@ fn diff_names_what_changed() {
     let responses = |name: &str| -> Vec<Response> {
         let archive = Archive::open(&folder.path(name)).expect("an archive");
         (0..archive.tiles())
-            .flat_map(|tile| OpenSite::of(&archive).expect("a site").tile_responses(tile).expect("responses"))
+            .flat_map(|tile| OpenSite::open(&archive).expect("a site").tile_responses(tile).expect("responses"))
             .collect()
     };
     let (before, after) = (responses("a.helio"), responses("b.helio"));

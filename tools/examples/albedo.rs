@@ -20,8 +20,8 @@ fn albedos(archive: &str, conditions: &str, folder: &Path) -> heliotile::Result<
     for albedo in [0.2, 0.6] {
         let mut light = LightChoice::default();
         light.changes.constant.push(("ground".to_owned(), albedo));
-        let request = QueryRequest { light, ..QueryRequest::of(conditions) };
-        let table = FileRequest::of(folder.join(format!("albedo-{albedo}.csv")));
+        let request = QueryRequest { light, ..QueryRequest::new(conditions) };
+        let table = FileRequest::new(folder.join(format!("albedo-{albedo}.csv")));
         site.query(&request, &table, &Resources::usual())?;
     }
     Ok(())

@@ -43,9 +43,9 @@ fn wall_in_the_sun(folder: &std::path::Path, mut each: impl FnMut(&str, f32, f32
     let sun = direction_from_degrees(180.0, 40.0);
     let condition = |label: &str, dni, dhi| Condition::new(label.into(), &[sun], sun, dni, dhi);
     let conditions = [condition("clear", 800.0, 80.0), condition("overcast", 0.0, 150.0)];
-    let (site, under) = (Site::open(path)?, QueryRequest::of(conditions.to_vec()).into());
+    let (site, under) = (Site::open(path)?, QueryRequest::new(conditions.to_vec()).into());
     let columns = [Component::SunDirect, Component::SunReflected];
-    site.under(&under, Path::new("-"), &Resources::usual())?.each(ComponentSet::of(&columns), |tile| {
+    site.under(&under, Path::new("-"), &Resources::usual())?.each(ComponentSet::new(&columns), |tile| {
         for (row, id) in tile.ids.iter().enumerate() {
             let [direct, reflected] = columns.map(|column| tile.values.row(column, row)[0]);
             each(id, direct, reflected);

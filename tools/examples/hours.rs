@@ -18,7 +18,7 @@ fn main() -> heliotile::Result<()> {
 /// Calls `each` for each receiver with the number of its brightest hour and the irradiance then,
 /// W/m2.
 fn brightest(archive: &str, weather: &str, mut each: impl FnMut(&str, usize, f32)) -> heliotile::Result<()> {
-    Site::open(archive)?.each_tile(&ReplayRequest::of(weather), &Resources::usual(), |tile| {
+    Site::open(archive)?.each_tile(&ReplayRequest::new(weather), &Resources::usual(), |tile| {
         for (row, id) in tile.ids.iter().enumerate() {
             let hours = tile.values.row(Component::Total, row).iter().copied().enumerate();
             if let Some((hour, w_m2)) = hours.max_by(|a, b| a.1.total_cmp(&b.1)) {

@@ -27,7 +27,7 @@ fn totals(scene: &str, archive: &str) -> heliotile::Result<Vec<(String, f64)>> {
     let weather = "time,ghi,dni,dhi\n2021-06-21T11:00+01:00,800,700,150\n2021-06-21T12:00+01:00,820,720,150\n";
     let files = |_: &std::path::Path| Ok(weather.into());
     let resources = Resources { files: &files, ..Resources::usual() };
-    let all = Site::open(archive)?.totals(&ReplayRequest::of("weather.csv"), &resources)?;
+    let all = Site::open(archive)?.totals(&ReplayRequest::new("weather.csv"), &resources)?;
     Ok(all.into_iter().map(|total| (total.id, total.kwh_m2)).collect())
 }
 

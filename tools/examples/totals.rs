@@ -14,8 +14,8 @@ fn main() -> heliotile::Result<()> {
 }
 
 fn totals(scene: &str, weather: &str, folder: &str) -> heliotile::Result<()> {
-    let archive = SiteArchiveRequest::of(SceneRequest::of([scene]), folder).build(&Silent)?;
-    for receiver in Site::open(archive)?.totals(&ReplayRequest::of(weather), &Resources::usual())? {
+    let archive = SiteArchiveRequest::new(SceneRequest::of([scene]), folder).build(&Silent)?;
+    for receiver in Site::open(archive)?.totals(&ReplayRequest::new(weather), &Resources::usual())? {
         println!("{}: {:.1} kWh/m2", receiver.id, receiver.kwh_m2);
     }
     Ok(())

@@ -28,7 +28,7 @@ impl Chunks {
     }
 
     /// Creates a writer for chunks of the cells of an archive with these settings.
-    pub fn of(kind: CellKind, settings: &Settings) -> Self {
+    pub fn with_settings(kind: CellKind, settings: &Settings) -> Self {
         let (rays, side) = match kind {
             CellKind::Probes => (settings.probe_hits, settings.probe),
             CellKind::Bounces => (settings.bounce_hits, settings.bounce_sky),

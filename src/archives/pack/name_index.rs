@@ -151,7 +151,7 @@ mod tests {
         let facts = SiteFacts::given(held.path(), &settings, DVec3::ZERO, &receivers, Vec::new(), Vec::new());
         let facts = facts.expect("facts");
         let site = OpenSite::over(&held, facts.into());
-        let mut name_index = NameIndex::of(&site).expect("names");
+        let mut name_index = NameIndex::new(&site).expect("names");
         let mut tiles = |of, name: &str| name_index.tiles(of, name).expect("tiles");
         assert_eq!(tiles(NameOf::Surface, "terrain"), Vec::from_iter(0..5000));
         assert_eq!(tiles(NameOf::Receiver, "t4321/r1"), [4321]);

@@ -133,7 +133,7 @@ impl Names {
 pub fn diff(a: &Archive, b: &Archive, workspace: &Workspace) -> Result<Differences> {
     let mut found =
         Differences { statements: differences(a, b)?, same_root: a.root() == b.root(), ..Differences::default() };
-    let (of_a, of_b) = (OpenSite::of(a)?, OpenSite::of(b)?);
+    let (of_a, of_b) = (OpenSite::open(a)?, OpenSite::open(b)?);
     for side in union(by_id(&of_a, workspace)?, by_id(&of_b, workspace)?, |a, b| a.0.cmp(&b.0)) {
         let name = |record: &(Vec<u8>, Vec<u8>)| String::from_utf8_lossy(&record.0).into_owned();
         found.receivers.add(&side?, name, |a, b| {
@@ -156,7 +156,7 @@ fn by_id(site: &OpenSite, workspace: &Workspace) -> Result<Sorted> {
     let mut sorter = Sorter::new(&workspace.folder, workspace.memory.length(Use::ReceiverIds));
     for row in ArchiveReceivers::<AllLayers>::new(site) {
         let row = row?;
-        sorter.push(row.receiver.id.as_bytes(), &Digests::of(&row).to_bytes())?;
+        sorter.push(row.receiver.id.as_bytes(), &Digests::new(&row).to_bytes())?;
     }
     sorter.finish()
 }

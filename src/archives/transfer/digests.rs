@@ -21,7 +21,7 @@ pub type AllLayers = ((TracedLayers, Response), Shown);
 pub struct Digests([[u8; 32]; PARTS.len()]);
 
 impl Digests {
-    pub fn of(row: &LayeredReceiver<AllLayers>) -> Self {
+    pub fn new(row: &LayeredReceiver<AllLayers>) -> Self {
         let (receiver, ((traced, response), overview)) = (&row.receiver, &row.layers);
         let floats =
             |part: [glam::DVec3; 2]| part.iter().flat_map(|v| v.to_array()).flat_map(f64::to_le_bytes).collect();

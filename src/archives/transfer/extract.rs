@@ -46,7 +46,7 @@ pub fn extract(
     observer: &dyn Observer,
 ) -> Result<Extracted> {
     let Workspace { folder, memory } = workspace;
-    let site = OpenSite::of(archive)?;
+    let site = OpenSite::open(archive)?;
     let kept = selection.resolve(std::slice::from_ref(&site), folder, memory.length(Use::ReceiverList))?;
     let budget = memory.length(Use::ExtractedKeys);
     let keys = || Keys::new(folder, budget);

@@ -40,7 +40,7 @@ pub struct Merged {
 /// of the whole site.
 pub fn merge([a, b]: [&Archive; 2], path: &Path, workspace: &Workspace, observer: &dyn Observer) -> Result<Merged> {
     [a, b].into_iter().try_for_each(complete)?;
-    let (of_a, of_b) = (OpenSite::of(a)?, OpenSite::of(b)?);
+    let (of_a, of_b) = (OpenSite::open(a)?, OpenSite::open(b)?);
     check_fit(a, b)?;
     let mut conflicts = Conflicts::default();
     unknown_conflicts(a, b, &mut conflicts);
@@ -115,7 +115,7 @@ fn merge_receivers(
         }
         if let Some((a, b)) = side.both() {
             shared += 1;
-            let parts = Digests::of(a).differences(&Digests::of(b));
+            let parts = Digests::new(a).differences(&Digests::new(b));
             if !parts.is_empty() {
                 conflicts.add(|| format!("receiver {} ({})", a.receiver.id, parts.join(", ")));
             }

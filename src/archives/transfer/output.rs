@@ -80,7 +80,7 @@ impl<'a> ArchiveAssembly<'a> {
             let sky: Vec<SkyTexture> = rows.iter().map(|row| row.layers.sky.clone()).collect();
             let table = tables::ReceiversTable::new(rows.iter().map(|row| (&row.receiver, row.views)));
             let extras: Vec<ReceiverExtras> = rows.iter().map(|row| row.layers.extras.clone()).collect();
-            let parts = tables::PartsTable::of(rows.iter().map(|row| &row.receiver));
+            let parts = tables::PartsTable::new(rows.iter().map(|row| &row.receiver));
             pack::tile(TileNumber(number), &table, parts.as_ref(), &sky, &HitTile::new(&hits), &extras)
         })?;
         Ok(())
@@ -88,13 +88,13 @@ impl<'a> ArchiveAssembly<'a> {
 
     /// Writes probes and their index.
     pub fn probes(&mut self, settings: &Settings, cells: impl Iterator<Item = Result<Cell>>) -> Result<()> {
-        self.cells.probes = self.chunks(Chunks::of(CellKind::Probes, settings), cells)?;
+        self.cells.probes = self.chunks(Chunks::with_settings(CellKind::Probes, settings), cells)?;
         Ok(())
     }
 
     /// Writes bounce cells and their index.
     pub fn bounces(&mut self, settings: &Settings, cells: impl Iterator<Item = Result<Cell>>) -> Result<()> {
-        self.cells.bounce_cells = self.chunks(Chunks::of(CellKind::Bounces, settings), cells)?;
+        self.cells.bounce_cells = self.chunks(Chunks::with_settings(CellKind::Bounces, settings), cells)?;
         Ok(())
     }
 

@@ -32,7 +32,7 @@ pub struct Bounds {
 
 impl Bounds {
     /// Parses xmin, ymin, xmax, ymax, for all heights, or followed by zmin, zmax.
-    pub fn of(numbers: &[f64]) -> std::result::Result<Self, String> {
+    pub fn new(numbers: &[f64]) -> std::result::Result<Self, String> {
         let (low, high) = match *numbers {
             [x0, y0, x1, y1] => (DVec3::new(x0, y0, f64::NEG_INFINITY), DVec3::new(x1, y1, f64::INFINITY)),
             [x0, y0, x1, y1, z0, z1] => (DVec3::new(x0, y0, z0), DVec3::new(x1, y1, z1)),
@@ -157,7 +157,7 @@ fn none(sites: &[OpenSite], [one, several]: [&str; 2]) -> String {
 /// Selects the receivers with one of some names. Fails for names without receivers.
 fn named(names: &[String], thing: &str, of: &[NameOf], sites: &[OpenSite]) -> Result<Vec<bool>> {
     let tiles = |site: &OpenSite| {
-        let mut name_index = NameIndex::of(site)?;
+        let mut name_index = NameIndex::new(site)?;
         let asked = || of.iter().flat_map(|&of| names.iter().map(move |name| (of, name.as_str())));
         name_index.expect(asked());
         let mut tiles = BTreeSet::new();
@@ -268,7 +268,7 @@ const TOGETHER: usize = 4096;
 
 /// Returns the tiles that hold receivers of some ids. `wanted` is rewound.
 fn tiles_of_ids(site: &OpenSite, wanted: &mut Sorted) -> Result<Vec<u32>> {
-    let mut name_index = NameIndex::of(site)?;
+    let mut name_index = NameIndex::new(site)?;
     let mut tiles = BTreeSet::new();
     loop {
         let ids: Vec<String> = wanted
@@ -295,6 +295,6 @@ impl heliotile_requests::Parse for Bounds {
 
     fn parse(text: &str) -> std::result::Result<Self, heliotile_requests::Wrong> {
         let number = |part: &str| <f64 as heliotile_requests::Parse>::parse(part.trim());
-        Ok(Bounds::of(&text.split(',').map(number).collect::<std::result::Result<Vec<f64>, _>>()?)?)
+        Ok(Bounds::new(&text.split(',').map(number).collect::<std::result::Result<Vec<f64>, _>>()?)?)
     }
 }

@@ -37,7 +37,7 @@ pub(super) enum Image {
 
 impl Image {
     /// Returns the kind that the extension of a file name states.
-    pub(super) fn of(output: &Path) -> Result<Self> {
+    pub(super) fn by_ending(output: &Path) -> Result<Self> {
         let ending = output.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
         match ending.as_deref() {
             Some("exr") => Ok(Image::Exr),
@@ -71,13 +71,13 @@ pub(super) fn layers_of(
     // The weather file is read before the archive, so that a wrong one is found at once.
     let (mut overlay, weather, about) = overlay(request, image, receiver, about, resources)?;
     let archive = holding_receiver(request, receiver, resources)?;
-    let site = OpenSite::of(&archive)?;
+    let site = OpenSite::open(&archive)?;
     overlay.north = site.north();
     let view = ReceiverView::load(&site, receiver)?;
     let mut about = about.with_archive(&request.place, &archive);
     if let Some(weather) = &weather {
         let steps = weather.steps_of(archive.manifest().settings.steps());
-        let hours = SunHours::of(&view, &weather.row_suns(steps), site.north());
+        let hours = SunHours::new(&view, &weather.row_suns(steps), site.north());
         overlay.sun_hours = in_words(&hours, weather.rows.len());
         about = with_hours(about, &hours);
     }

@@ -146,7 +146,7 @@ impl ExportRequest {
             files_of(&self.output).iter().try_for_each(|file| guard_output(file, &inputs))?;
         }
         let Some(receiver) = &self.receiver else { return self.view_factors(about) };
-        let bytes = layers_of(self, receiver, Image::of(&self.output)?, about, resources)?;
+        let bytes = layers_of(self, receiver, Image::by_ending(&self.output)?, about, resources)?;
         let mut sink = Sink::file(&self.output)?;
         sink.write_all(&bytes).map_err(Error::io(&self.output, "write to"))?;
         sink.finish().map(|_| ())
@@ -167,8 +167,8 @@ impl ExportRequest {
 
 /// Adds the receivers of an archive to the table; stops if the reader of the table has closed it.
 fn add_rows(table: &mut ViewFactorTable, archive: &Archive) -> Result<()> {
-    let site = OpenSite::of(archive)?;
-    let sky = SkyComponents::of(&site)?;
+    let site = OpenSite::open(archive)?;
+    let sky = SkyComponents::new(&site)?;
     for (tile, percent) in (0..site.tiles()).zip(sky.tiles(0..site.tiles())) {
         let (receivers, percent) = (site.tile_receivers(tile)?, percent?);
         let rows = receivers.ids.iter().zip(receivers.views()).zip(percent);

@@ -113,7 +113,7 @@ pub struct Errors {
 impl Errors {
     /// Creates the errors from trials with their rungs, taking the finest one as the truth, and the
     /// errors of the sky patches.
-    pub fn of(trials: &[(Rungs, Trial)], finest: Rungs, truth: &Trial, patches: [f64; PATCH_RUNGS]) -> Self {
+    pub fn new(trials: &[(Rungs, Trial)], finest: Rungs, truth: &Trial, patches: [f64; PATCH_RUNGS]) -> Self {
         let mean = truth.light.mean();
         let curves = ErrorSource::ALL.map(|source| {
             let distance = |(rungs, trial): &(Rungs, Trial)| {

@@ -152,13 +152,13 @@ pub fn choose(build: &mut Build, wish: &PilotRequest) -> Result<SettingsChoice> 
     let [fewest, _, most] = ladder::patches();
     let lights = [bench(0).light(archive, fewest)?, truth.light.clone(), bench(0).light(archive, most)?];
     let patches = patch_errors(&lights);
-    let mut errors = Errors::of(&trials, finest, &truth, patches);
+    let mut errors = Errors::new(&trials, finest, &truth, patches);
     let mut chosen = errors.cheapest(wish.target_percent, None);
     let mut finer = finer(chosen, &errors, wish.target_percent);
     for _ in 0..ROUNDS {
         let (rungs, trial) = try_out(0, finer)?;
         trials.push((std::mem::replace(&mut finest, rungs), std::mem::replace(&mut truth, trial)));
-        errors = Errors::of(&trials, finest, &truth, patches);
+        errors = Errors::new(&trials, finest, &truth, patches);
         let again = errors.cheapest(wish.target_percent, None);
         if again == chosen {
             break;
@@ -174,7 +174,7 @@ pub fn choose(build: &mut Build, wish: &PilotRequest) -> Result<SettingsChoice> 
     let of_checked: Vec<u32> = checked.iter().map(|s| s.0).collect();
     let tile = |i: usize| of_checked.get(i).copied().unwrap_or_default();
     let (_, mut here) = try_out(1, chosen)?;
-    let reference = ReferenceSample::of(&bench(1), wish.left_out, wish.target_percent)?.with_hours(&here.light);
+    let reference = ReferenceSample::new(&bench(1), wish.left_out, wish.target_percent)?.with_hours(&here.light);
     let mut round = 0;
     let accuracy = loop {
         let (accuracy, found) = (reference.accuracy(&here.light, tile), reference.sources(&here.light));

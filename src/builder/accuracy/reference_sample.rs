@@ -81,9 +81,9 @@ pub struct SourcesFound {
 impl<'a> ReferenceSample<'a> {
     /// Evaluates the receivers of a bench with the reference path tracer, for a target error in
     /// percent.
-    pub fn of(bench: &Bench<'a>, left_out: Effects, target_percent: f64) -> Result<Self> {
+    pub fn new(bench: &Bench<'a>, left_out: Effects, target_percent: f64) -> Result<Self> {
         let scene = bench.scene.scene;
-        let conditions = in_axes(bench.conditions, North::of(scene.place.as_ref()));
+        let conditions = in_axes(bench.conditions, North::new(scene.place.as_ref()));
         let skies: Vec<ReferenceSky> =
             conditions.par_iter().map(|c| ReferenceSky::new(c, SkyModel::default())).collect::<Result<_>>()?;
         let (mean, open) = (ReferenceSky::mean(&skies), ReferenceSky::open());
@@ -202,7 +202,7 @@ impl<'a> ReferenceSample<'a> {
             let result = |(condition, reference): (usize, &ReferenceLight)| {
                 (with_total(self.row(light, receiver, condition)), *reference)
             };
-            SunErrors::of(receiver, reference.iter().enumerate().map(result))
+            SunErrors::new(receiver, reference.iter().enumerate().map(result))
         };
         self.suns.iter().enumerate().map(of_receiver).collect()
     }

@@ -93,7 +93,7 @@ impl Bench<'_> {
         let (scene, workspace, observer) = (self.scene, self.workspace, Quiet(self.observer));
         let mut build = Build { scene, receivers: &mut tiles, workspace, observer: &observer };
         let report =
-            build.write(&Plan { with_scene: false, ..Plan::of(settings) }, &output, &ReusedArchives::default())?;
+            build.write(&Plan { with_scene: false, ..Plan::new(settings) }, &output, &ReusedArchives::default())?;
         let build_s = started.elapsed().as_secs_f64();
         let light = self.light(&path, settings.patches)?;
         Ok(Trial { settings, archive: path, light, rays: report.rays, bytes: report.bytes, build_s })
@@ -112,7 +112,7 @@ impl Bench<'_> {
             storage: &storage,
             ..ReplaySettings::default()
         };
-        let site = OpenSite::of(&archive)?;
+        let site = OpenSite::open(&archive)?;
         let all = Replay::new(&site, conditions, settings(MaxBounces::All))?;
         for tile in all.results(0..all.tiles()) {
             let (ids, values) = tile?;

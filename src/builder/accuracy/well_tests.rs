@@ -86,7 +86,7 @@ fn too_bright(middle: DVec3) -> [f64; 2] {
         workspace: &workspace,
         observer: &Silent,
     };
-    let light = bench.trial(Rungs::of(Quality::Fine).settings()).expect("a build").light;
+    let light = bench.trial(Rungs::new(Quality::Fine).settings()).expect("a build").light;
     let mut means = [[0.0; 2]; 2];
     for (receiver, rows) in receivers.iter().zip(light.rows.chunks(conditions.len())) {
         let under: Vec<&ReferenceSky> = skies.iter().collect();

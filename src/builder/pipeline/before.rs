@@ -113,7 +113,7 @@ impl<'a> Before<'a> {
                 *place = Some(then);
             }
         }
-        let mut change = Change::of(&found, scene);
+        let mut change = Change::new(&found, scene);
         let archive_cells = archive.manifest().counts.probes + archive.manifest().counts.bounce_cells;
         let pays = CELLS_A_TRIANGLE * scene.mesh.triangles.len() as u64 <= archive_cells;
         // The search is skipped if nothing changed, and if light may go by way of mirrors.
@@ -137,7 +137,7 @@ impl<'a> Before<'a> {
         let numbers = found.renumbered.iter().copied().eq((0..scene.materials.len() as u16).map(Some));
         Ok(Some(Before {
             file: archive,
-            archive: Earlier::open(OpenSite::of(archive)?),
+            archive: Earlier::open(OpenSite::open(archive)?),
             same_numbers: numbers,
             same_classes,
             same_light: same_classes

@@ -158,7 +158,7 @@ impl SiteTracer<'_> {
         let (normal, doubtful) = (probe.normal.as_vec3().to_array(), probe.doubtful);
         let around = || surround(key, normal, &probe.bits, &texture.centres);
         let leaves = self.leaf_view(self.traces(Effect::Bounces));
-        let crossings = CellCrossings::of(leaves, key, &probe, texture, &seen.seen, around);
+        let crossings = CellCrossings::new(leaves, key, &probe, texture, &seen.seen, around);
         let cast = Cast { plain: probe.rays + seen.cast + crossings.rays, mirror };
         let canopy = canopy_of_cell(crossings, texture.n, seen.seen.len());
         (Cell { key, normal, bits: probe.bits, seen: pairs(seen.seen), mirrors, canopy, doubtful }, cast)

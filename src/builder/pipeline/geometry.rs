@@ -124,7 +124,7 @@ impl SiteTracer<'_> {
         let site = OpenSite::over(writer, Arc::clone(&self.facts));
         let (conditions, bins) = clear_year(place);
         // The axes of a site that is being built are not turned yet.
-        let conditions = in_axes(&conditions, North::of(Some(place)));
+        let conditions = in_axes(&conditions, North::new(Some(place)));
         let settings = ReplaySettings { patches: PATCHES, memory: self.memory, ..ReplaySettings::default() };
         let replay = Replay::builder(&site, &conditions, settings).summed(&bins).build()?;
         let progress = Stage::begin(self.observer, "overview", Some(tiles.len() as u64));

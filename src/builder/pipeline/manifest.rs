@@ -43,7 +43,7 @@ impl SiteTracer<'_> {
     /// and reflectances by band; no blocks if no material needs them.
     pub(super) fn optics_blocks(&self) -> Result<Vec<EncodedBlock>> {
         let materials = &self.scene.materials;
-        let bands = tables::BandsTable::of(materials.iter().map(|m| &m.bands));
+        let bands = tables::BandsTable::new(materials.iter().map(|m| &m.bands));
         let bands = bands.map(|table| table.encode(format::BANDS, TileNumber::FIRST, COMPRESSION)).transpose()?;
         if !materials.iter().any(|m| m.mirrors() || m.transmittance.is_some()) {
             return Ok(bands.into_iter().collect());

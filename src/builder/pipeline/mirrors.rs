@@ -82,7 +82,7 @@ impl SiteTracer<'_> {
                 let looks: Vec<Look> = whole.iter().flat_map(parts).collect();
                 let lit = reflections.lit(&[(chain, map)], &looks, rays);
                 let of_texel = lit.chunks((split * split) as usize);
-                refinable(texels, &of_texel.map(SeenPart::of).collect::<Vec<SeenPart>>())
+                refinable(texels, &of_texel.map(SeenPart::new).collect::<Vec<SeenPart>>())
             };
             let (texture, dense) =
                 SkyTexture::trace(front, side as usize * (fine / base), TexelBlock::by_texels(visible));
@@ -145,7 +145,7 @@ enum SeenPart {
 }
 
 impl SeenPart {
-    fn of(parts: &[bool]) -> Self {
+    fn new(parts: &[bool]) -> Self {
         match parts.iter().filter(|part| **part).count() {
             0 => SeenPart::Nothing,
             count if count == parts.len() => SeenPart::All,

@@ -24,7 +24,7 @@ pub struct Plan {
 
 impl Plan {
     /// Creates a plan with the scene and without an estimate of the error.
-    pub fn of(settings: BuildSettings) -> Self {
+    pub fn new(settings: BuildSettings) -> Self {
         Plan { settings, accuracy: None, negligible: None, with_scene: true, preview_percent: None }
     }
 

@@ -67,7 +67,7 @@ impl<'a> SiteTracer<'a> {
         let canopies = ready.canopies.as_ref().filter(|_| !settings.left_out.contains(Effect::Canopies));
         SiteTracer {
             scene,
-            reflectors: scene.materials.iter().map(Reflector::of).collect(),
+            reflectors: scene.materials.iter().map(Reflector::new).collect(),
             tracer: &ready.tracer,
             settings,
             folder: workspace.folder.clone(),

@@ -216,7 +216,7 @@ impl SiteTracer<'_> {
         if missing.is_empty() {
             return Ok(());
         }
-        let tables = Tables::of(&OpenSite::over(&*writer, Arc::clone(&self.facts)))?;
+        let tables = Tables::new(&OpenSite::over(&*writer, Arc::clone(&self.facts)))?;
         let storage = TempFiles::new(&self.folder);
         let responder = ResponseSolver::new(&tables, MaxBounces::All, self.memory, &storage)?;
         clock.lap("solve");
@@ -225,7 +225,7 @@ impl SiteTracer<'_> {
             let site = OpenSite::over(&*writer, Arc::clone(&self.facts));
             let view = |&tile: &u32| TileView::read(&site, tile);
             let views: Vec<TileView> = group.par_iter().map(view).collect::<Result<_>>()?;
-            let responses = responder.derive(&Tables::of(&site)?, &views)?;
+            let responses = responder.derive(&Tables::new(&site)?, &views)?;
             // There is one state only, that of the stored reflectances.
             let encode = |(&tile, states): (&u32, &Vec<Vec<Response>>)| pack::responses(TileNumber(tile), &states[0]);
             let blocks: Vec<EncodedBlock> = group.par_iter().zip(&responses).map(encode).collect::<Result<_>>()?;
@@ -273,7 +273,7 @@ impl SiteTracer<'_> {
             // Hits were only needed for the view factors.
             hits = HitTile { palette: Vec::new(), texels: vec![0; hits.texels.len()] };
         }
-        let parts = tables::PartsTable::of(receivers);
+        let parts = tables::PartsTable::new(receivers);
         let blocks = pack::tile(TileNumber(number), &table, parts.as_ref(), &sky, &hits, &extras)?;
         let besides = extras.iter().flat_map(|of| of.mirrors.cells().chain(of.canopy.cells()));
         let cells = hits.palette.into_iter().chain(besides).collect();

@@ -74,7 +74,7 @@ impl SiteTracer<'_> {
         let Ok(Some(sky)) = before.copy(format::SKY, TileNumber(from), number) else { return Ok(None) };
         let Some(hits) = before.hits_block(TileNumber(from), number, receivers.len())? else { return Ok(None) };
         let mut blocks = vec![table.encode(format::RECEIVERS, number, COMPRESSION)?, sky, hits];
-        let parts = tables::PartsTable::of(receivers);
+        let parts = tables::PartsTable::new(receivers);
         blocks.extend(parts.map(|parts| parts.encode(format::PARTS, number, COMPRESSION)).transpose()?);
         match before.copy(format::CANOPY, TileNumber(from), number) {
             Ok(None) => {}

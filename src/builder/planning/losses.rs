@@ -90,7 +90,7 @@ impl GroupLosses {
 
     /// Returns the losses of a group from `some`, its sampled receivers out of `all`. Percentages
     /// refer to at least `least` kWh/m2.
-    fn of(some: &[Asked], all: f64, least: f64) -> Self {
+    fn new(some: &[Asked], all: f64, least: f64) -> Self {
         let count = some.len().max(1) as f64;
         let mean = |value: &dyn Fn(&Asked) -> f64| some.iter().map(value).sum::<f64>() / count;
         let loss = |effect: Effect| {
@@ -126,12 +126,12 @@ struct Asked {
 impl YearLosses {
     /// Estimates the losses for a sample of a build's receivers with the reference path tracer.
     /// Fails if the suns need true north and the scene has no place.
-    pub fn of(build: &mut Build, suns: &ErrorConditions) -> Result<Self> {
+    pub fn new(build: &mut Build, suns: &ErrorConditions) -> Result<Self> {
         let started = Instant::now();
         let scene = build.scene.scene;
         let mut all = suns.year(BuildSettings::default().steps.into());
         all.retain(is_lit);
-        let year = ReferenceSky::sum(&in_axes(&all, North::of(scene.place.as_ref())), SkyModel::default())?;
+        let year = ReferenceSky::sum(&in_axes(&all, North::new(scene.place.as_ref())), SkyModel::default())?;
         // The open sky gives the sky view by which receivers are grouped.
         let open = ReferenceSky::open();
         let receivers = build.receivers.count();
@@ -147,7 +147,7 @@ impl YearLosses {
         let asked: Vec<Asked> = sampled.par_iter().enumerate().map(ask).collect();
         drop(progress);
         let (count, of_each) = (asked.len(), receivers as f64 / asked.len().max(1) as f64);
-        let group = |some: &[Asked], least: f64| GroupLosses::of(some, some.len() as f64 * of_each, least);
+        let group = |some: &[Asked], least: f64| GroupLosses::new(some, some.len() as f64 * of_each, least);
         let mut groups = vec![group(&asked, 0.0)];
         let least = MIN * groups[0].total_kwh_m2;
         let parts = by_sky_view(&asked.iter().map(|asked| asked.sky_view).collect::<Vec<_>>());
@@ -233,7 +233,7 @@ mod tests {
             Asked { sky_view: 0.1 * i as f64, year }
         };
         let some: Vec<Asked> = (0..4).map(asked).collect();
-        let bound = |all: f64| GroupLosses::of(&some, all, 0.0).losses[1].bound_kwh_m2;
+        let bound = |all: f64| GroupLosses::new(&some, all, 0.0).losses[1].bound_kwh_m2;
         assert!((bound(8.0) - (2.625 + 3.0 * (0.01_f64 + 0.5 * 1.25 / 3.0).sqrt())).abs() < 1e-12);
         assert!((bound(4.0) - (2.625 + 0.3)).abs() < 1e-12);
     }

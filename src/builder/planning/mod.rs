@@ -64,12 +64,12 @@ impl Build<'_> {
     /// Decides which effects are left out and, if an error target is given, which settings are
     /// used.
     pub fn plan(&mut self, request: &PlanRequest) -> Result<PlanReport> {
-        let losses = request.under.map(|under| YearLosses::of(self, under.weather)).transpose()?;
+        let losses = request.under.map(|under| YearLosses::new(self, under.weather)).transpose()?;
         let percent = request.under.and_then(|under| under.negligible_percent);
         let allowed = percent.filter(|_| request.effects == EffectChoice::Auto).zip(losses.as_ref());
         let known = allowed.map(|(percent, losses)| negligible(losses, percent));
         let mut forecast = self.forecast(&request.settings, request.effects, known.as_ref())?;
-        let mut plan = Plan::of(BuildSettings { left_out: forecast.left_out, ..request.settings });
+        let mut plan = Plan::new(BuildSettings { left_out: forecast.left_out, ..request.settings });
         let mut choice = None;
         if let Some(target) = request.target {
             let left_out = forecast.left_out;

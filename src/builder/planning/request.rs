@@ -62,7 +62,7 @@ impl AccuracyRequest {
             let hint = format!("give {} to {} percent", Self::ERRORS.start(), Self::ERRORS.end());
             return Err(Error::argument("error", "is not a possible target", hint));
         }
-        let mut settings = Rungs::of(self.quality).settings();
+        let mut settings = Rungs::new(self.quality).settings();
         self.set.iter().try_for_each(|text| settings.set(text))?;
         settings.check()?;
         Ok(settings)

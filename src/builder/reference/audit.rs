@@ -80,7 +80,7 @@ pub struct Audited {
 /// read and for a sky model that the path tracer does not support.
 pub fn audit(request: &AuditInputs) -> Result<Audited> {
     let started = Instant::now();
-    let site = OpenSite::of(request.archive)?;
+    let site = OpenSite::open(request.archive)?;
     let all: Vec<(u32, usize)> = request
         .archive
         .entries_of(format::RECEIVERS)
@@ -148,7 +148,7 @@ pub fn audit(request: &AuditInputs) -> Result<Audited> {
                 tracer.sun(of.position, of.normal, &skies, request.paths, seed)
             });
             let results = under.iter().map(|&condition| results[receiver - first][condition].map(f64::from));
-            SunErrors::of(receiver, results.zip(reference))
+            SunErrors::new(receiver, results.zip(reference))
         };
         let suns: Vec<SunErrors> = (first..audited.receivers.len()).into_par_iter().map(sun).collect();
         audited.suns.extend(suns);

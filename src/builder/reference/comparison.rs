@@ -78,7 +78,7 @@ struct Sums {
 
 impl Sums {
     /// Returns the sums of one hour, from a difference and the standard error of the path tracer.
-    fn of(difference: f64, error: f64) -> Self {
+    fn new(difference: f64, error: f64) -> Self {
         Sums { count: 1.0, difference, square: difference * difference - error * error }
     }
 
@@ -107,7 +107,7 @@ pub struct SunErrors {
 impl SunErrors {
     /// Creates the errors from a receiver's number (as [`Pair::receiver`]), its results and the
     /// irradiance of the sun from the path tracer.
-    pub fn of(receiver: usize, hours: impl Iterator<Item = ([f64; PARTS], ReferenceLight)>) -> Self {
+    pub fn new(receiver: usize, hours: impl Iterator<Item = ([f64; PARTS], ReferenceLight)>) -> Self {
         let mut sums = [Sums::default(); OF_SUN.len()];
         for (result, reference) in hours {
             let here = sun_sums(&result, &reference);
@@ -120,7 +120,7 @@ impl SunErrors {
 fn sun_sums(result: &[f64; PARTS], reference: &ReferenceLight) -> [Sums; OF_SUN.len()] {
     OF_SUN
         .map(|component| component as usize)
-        .map(|part| Sums::of(result[part] - reference.mean[part], reference.error[part]))
+        .map(|part| Sums::new(result[part] - reference.mean[part], reference.error[part]))
 }
 
 /// Returns the deviation of one part of pairs, which are in the order of their receivers. `suns`
@@ -160,7 +160,7 @@ fn bias_and_rmse(
         let mut rest = Sums::default();
         for pair in pairs {
             let (difference, error) = difference(pair);
-            rest = rest.plus(Sums::of(difference, error));
+            rest = rest.plus(Sums::new(difference, error));
             if sun.is_some() {
                 let sun = sun_of(sun_sums(&pair.result, &pair.reference));
                 rest.difference -= sun.difference;
@@ -251,7 +251,7 @@ mod tests {
             (result, reference)
         };
         let suns: Vec<SunErrors> =
-            (0..32).map(|receiver| SunErrors::of(receiver, (0..256).map(|i| hour(receiver, i, 5.0)))).collect();
+            (0..32).map(|receiver| SunErrors::new(receiver, (0..256).map(|i| hour(receiver, i, 5.0)))).collect();
         let mut squares = 0.0;
         for first in 0..16 {
             let pair = |i: usize| {

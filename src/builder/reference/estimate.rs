@@ -38,7 +38,7 @@ pub struct ReferenceLight {
 
 impl ReferenceLight {
     /// Creates the estimate from means of batches.
-    pub(super) fn of(batches: &[Batch; BATCHES]) -> Self {
+    pub(super) fn new(batches: &[Batch; BATCHES]) -> Self {
         let mut reference = ReferenceLight::default();
         for part in 0..PARTS {
             let value = |batch: &Batch| if part < PARTS - 1 { batch[part] } else { batch[..PARTS - 1].iter().sum() };

@@ -86,7 +86,7 @@ impl ReferenceSky {
         let mut sum = 0.0;
         for instant in &condition.suns {
             sum += instant.weight;
-            self.suns.push((before + part * sum / whole.max(f64::MIN_POSITIVE), Frame::of(instant.sun)));
+            self.suns.push((before + part * sum / whole.max(f64::MIN_POSITIVE), Frame::new(instant.sun)));
         }
     }
 
@@ -182,7 +182,7 @@ pub(super) struct SkyPlace(usize);
 
 impl SkyPlace {
     /// Returns the place in a direction; `None` below the horizon.
-    pub fn of(direction: DVec3) -> Option<Self> {
+    pub fn new(direction: DVec3) -> Option<Self> {
         (direction.z > 0.0).then(|| {
             let (column, row) = texel_of(direction, SIDE);
             SkyPlace(row * SIDE + column)

@@ -77,8 +77,8 @@ impl<'a> PathTracer<'a> {
     /// them out.
     pub fn new(prepared: &'a PreparedScene<'a>, left_out: Effects) -> Self {
         let reflector = |material: &Material| match left_out.contains(Effect::Diffuse) {
-            true => Reflector { diffuse: 0.0, ..Reflector::of(material) },
-            false => Reflector::of(material),
+            true => Reflector { diffuse: 0.0, ..Reflector::new(material) },
+            false => Reflector::new(material),
         };
         PathTracer {
             mesh: &prepared.scene.mesh,
@@ -104,7 +104,7 @@ impl<'a> PathTracer<'a> {
         let each = paths.div_ceil(BATCHES).max(1);
         let mut sums: Sums = vec![[Batch::default(); BATCHES]; skies.len()];
         let here = self.receiver_place(position, normal);
-        let frame = Frame::of(normal);
+        let frame = Frame::new(normal);
         let (mut walkers, mut looks) = (Vec::with_capacity(each * BATCHES), Vec::new());
         for batch in 0..BATCHES {
             for (mut random, [a, b, which, across, along]) in starts(seed, batch, each) {
@@ -172,7 +172,7 @@ impl<'a> PathTracer<'a> {
     /// Adds the directly seen sky. Its rays cost little, and go through one cell each of the square
     /// that cosine-weighted directions come from. Sums are scaled to `each` paths.
     fn add_open_sky(&self, here: Place, skies: &[&ReferenceSky], each: usize, seed: u64, sums: &mut Sums) {
-        let frame = Frame::of(here.normal);
+        let frame = Frame::new(here.normal);
         let side = (SKY_RAYS * each).isqrt().max(1);
         let mut random = Random::new(seed);
         for batch in 0..BATCHES {
@@ -184,7 +184,7 @@ impl<'a> PathTracer<'a> {
             let rays: Vec<Ray> = directions.iter().map(|d| ray(here.from, *d)).collect();
             let straight = Carried::START.times(PI * each as f64 / (side * side) as f64);
             for (number, through) in self.open(&rays) {
-                let Some(place) = SkyPlace::of(directions[number]) else { continue };
+                let Some(place) = SkyPlace::new(directions[number]) else { continue };
                 for (sky, sums) in skies.iter().zip(sums.iter_mut()) {
                     straight.through(through).add(false, sky.radiance(place), &mut sums[batch]);
                 }
@@ -227,7 +227,7 @@ impl<'a> PathTracer<'a> {
                 walker.carried = walker.carried.mirrored();
             }
             None => {
-                walker.direction = cosine(&Frame::of(place.normal), [a, b]);
+                walker.direction = cosine(&Frame::new(place.normal), [a, b]);
                 walker.carried = walker.carried.reflected();
             }
         }
@@ -265,7 +265,7 @@ impl<'a> PathTracer<'a> {
             looks.extend(SunLook::at_all(place, walker.batch, carried.times(0.5), skies, disc, &mut random));
         }
         let Place { from, normal } = places[usize::from(side < 0.5)];
-        let direction = cosine(&Frame::of(normal), [a, b]);
+        let direction = cosine(&Frame::new(normal), [a, b]);
         Some(Walker { batch: walker.batch, from, direction, carried, met: walker.met + 1, random })
     }
 
@@ -330,12 +330,12 @@ fn starts(seed: u64, batch: usize, paths: usize) -> impl Iterator<Item = (Random
 
 /// Returns the estimates by sky from sums over `each` paths of each batch.
 fn lights(sums: &Sums, each: usize) -> Vec<ReferenceLight> {
-    sums.iter().map(|batches| ReferenceLight::of(&batches.map(|sums| sums.map(|sum| sum / each as f64)))).collect()
+    sums.iter().map(|batches| ReferenceLight::new(&batches.map(|sums| sums.map(|sum| sum / each as f64)))).collect()
 }
 
 /// Adds the sky at the end of a path. Directly seen sky has rays of its own.
 fn see(walker: &Walker, skies: &[&ReferenceSky], sums: &mut Sums) {
-    let Some(place) = SkyPlace::of(walker.direction).filter(|_| walker.met > 0) else { return };
+    let Some(place) = SkyPlace::new(walker.direction).filter(|_| walker.met > 0) else { return };
     for (sky, sums) in skies.iter().zip(sums) {
         walker.carried.add(false, PI * sky.radiance(place), &mut sums[walker.batch]);
     }

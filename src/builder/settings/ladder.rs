@@ -59,7 +59,7 @@ impl Rungs {
         Rungs { sky: SKY_RUNGS - 1, seen: SEEN_RUNGS - 1, bounced: BOUNCED_RUNGS - 1, patches: PATCH_RUNGS - 1 };
 
     /// Returns the rungs of a quality.
-    pub const fn of(quality: Quality) -> Self {
+    pub const fn new(quality: Quality) -> Self {
         match quality {
             Quality::Draft => Rungs { sky: 1, seen: 1, bounced: 1, patches: 0 },
             Quality::Standard => Rungs { sky: 2, seen: 2, bounced: 2, patches: 1 },
@@ -95,7 +95,7 @@ impl Rungs {
 /// Returns the quality with these settings, whatever they leave out.
 pub fn quality_of(settings: &BuildSettings) -> Option<Quality> {
     let traced = BuildSettings { left_out: Effects::NONE, ..*settings };
-    Quality::ALL.into_iter().find(|quality| Rungs::of(*quality).settings() == traced)
+    Quality::ALL.into_iter().find(|quality| Rungs::new(*quality).settings() == traced)
 }
 
 #[cfg(test)]
@@ -107,13 +107,13 @@ mod tests {
     #[test]
     fn each_rung_is_finer_than_the_one_before() {
         for quality in Quality::ALL {
-            let settings = Rungs::of(quality).settings();
+            let settings = Rungs::new(quality).settings();
             settings.check().expect("in range");
             assert_eq!(quality_of(&settings), Some(quality));
             assert_eq!(quality_of(&BuildSettings { probe_hits: 15, ..settings }), None);
         }
         for pair in Quality::ALL.windows(2) {
-            let [coarse, fine] = [pair[0], pair[1]].map(Rungs::of);
+            let [coarse, fine] = [pair[0], pair[1]].map(Rungs::new);
             assert!(coarse.sky < fine.sky && coarse.seen < fine.seen && coarse.bounced < fine.bounced);
             assert!(coarse.patches <= fine.patches);
         }

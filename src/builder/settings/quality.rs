@@ -3,7 +3,7 @@
 use heliotile_core::named::NamedValues;
 use serde::{Deserialize, Serialize};
 
-/// Named rung of the accuracy ladder. [`Rungs::of`](crate::settings::Rungs::of) says which textures
+/// Named rung of the accuracy ladder. [`Rungs::new`](crate::settings::Rungs::new) says which textures
 /// and cells it uses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]

@@ -121,7 +121,7 @@ for_each_setting!(declare);
 
 impl Default for BuildSettings {
     fn default() -> Self {
-        BuildSettings::of_rungs(Rungs::of(Quality::default()))
+        BuildSettings::of_rungs(Rungs::new(Quality::default()))
     }
 }
 

@@ -103,10 +103,10 @@ impl<'a> Canopies<'a> {
         let corners = leaves.iter().flat_map(|&id| mesh.triangle_points(id as usize));
         let bounds = bounds(corners);
         let canopies = (!leaves.is_empty()).then(|| {
-            let tracer = Tracer::of(mesh, &leaves);
+            let tracer = Tracer::of_triangles(mesh, &leaves);
             Canopies { mesh, tracer, scatters, some_scatter, bounds }
         });
-        (Tracer::of(mesh, &opaque), canopies)
+        (Tracer::of_triangles(mesh, &opaque), canopies)
     }
 
     /// Returns the tracer of leaves and screens alone.
@@ -324,7 +324,7 @@ pub(crate) struct LeafView<'a> {
 impl CellCrossings {
     /// Returns the crossings of a traced cell; empty without canopies. `around` is the part of the
     /// hemisphere that its rays below and above the horizon stand for.
-    pub fn of(
+    pub fn new(
         view: Option<LeafView>,
         key: CellKey,
         probe: &ProbeTrace,

@@ -34,7 +34,7 @@ const MARGIN: (f64, f64) = (0.05, 1e-4);
 
 impl Change {
     /// Creates the change of a scene that is `scene` now.
-    pub fn of(change: &SceneChange, scene: &Scene) -> Self {
+    pub fn new(change: &SceneChange, scene: &Scene) -> Self {
         Change::with(change, &[], scene)
     }
 
@@ -48,7 +48,7 @@ impl Change {
         let mut corners = triangles;
         let mut boxes = Vec::new();
         cut(&mut corners, CUTS, &mut boxes);
-        Change { tracer: (!all.is_empty()).then(|| Tracer::of(&mesh, &all)), boxes, grid: mesh.grid() }
+        Change { tracer: (!all.is_empty()).then(|| Tracer::of_triangles(&mesh, &all)), boxes, grid: mesh.grid() }
     }
 
     /// Adds boxes of unchanged triangles to the places that cells look towards. Rays do not meet
@@ -236,7 +236,7 @@ mod tests {
         let wall = all("wall", 0.3, heliotile_core::site::material::Class::Obstruction);
         let scene = Scene::from_triangles(&(0..40).map(triangle).collect::<Vec<_>>(), vec![wall]).expect("a scene");
         let added = (0..scene.mesh.triangles.len() as u32).collect();
-        let change = Change::of(&SceneChange { added, ..SceneChange::default() }, &scene);
+        let change = Change::new(&SceneChange { added, ..SceneChange::default() }, &scene);
         assert!((5..=64).contains(&change.boxes.len()), "{}", change.boxes.len());
         let (mut met, mut expected) = (0, 0);
         for i in 1000..21_000 {

@@ -154,7 +154,7 @@ fn follow(starts: Vec<([f32; 3], usize)>, from: &Start, mesh: &Mesh, tracer: &Tr
     let Start { normal, seed, most_met, until } = *from;
     let turned = |normal: DVec3, path: usize, met: usize| {
         let direction = cosine_direction_of(jitter(mix(seed, path as u64), met as u64));
-        Frame::of(normal).to_world(direction).as_vec3().to_array()
+        Frame::new(normal).to_world(direction).as_vec3().to_array()
     };
     let start = |(origin, path)| (path, Ray { origin, direction: turned(normal, path, 0) });
     let mut paths: Vec<(usize, Ray)> = starts.into_iter().map(start).collect();
@@ -219,7 +219,7 @@ mod tests {
         let scene = row();
         let tracer = Tracer::new(&scene.mesh).expect("a tree");
         let is_hidden = |at: DVec3, normal: DVec3, inside: bool| {
-            let (frame, origin) = (Frame::of(normal), tracer.grid().lifted(at, normal));
+            let (frame, origin) = (Frame::new(normal), tracer.grid().lifted(at, normal));
             let even = |i: usize| glam::DVec2::new(i as f64 * 0.754_877_666, i as f64 * 0.569_840_291).fract();
             let up = (1..).map(|i| frame.to_world(cosine_direction_of(even(i)))).filter(|d| d.z > 0.0);
             let low = up.filter(|d| d.z < 0.5).take(LOOKS);

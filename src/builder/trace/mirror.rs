@@ -84,7 +84,7 @@ struct Way {
 impl<'a> Reflections<'a> {
     pub fn new(mesh: &'a Mesh, tracer: &'a Tracer, mirrors: &'a Mirrors) -> Self {
         let triangles: Vec<u32> = mirrors.triangles().collect();
-        let alone = Tracer::of(mesh, &triangles);
+        let alone = Tracer::of_triangles(mesh, &triangles);
         Reflections { mesh, tracer, mirrors, triangles, alone }
     }
 
@@ -267,7 +267,7 @@ impl<'a> Reflections<'a> {
             mark(column, row, 1);
         }
         let origin = view.origin(self.tracer);
-        let (from, frame) = (DVec3::from(origin.map(f64::from)), Frame::of(view.normal));
+        let (from, frame) = (DVec3::from(origin.map(f64::from)), Frame::new(view.normal));
         // A quarter of the spacing of the rays. Much narrower mirrors are hit by chance only.
         let narrow = HEMISPHERE_SR.sqrt() / (n * finer) as f64 / 4.0;
         for triangle in &self.triangles {
@@ -302,7 +302,7 @@ impl<'a> Reflections<'a> {
             let t = row * n + column;
             let (position, normal) = point(t);
             let inside = jitter(mix(seed, 0x6d69_7272), t as u64);
-            let direction = Frame::of(normal).to_world(texel_direction(column, row, n, inside));
+            let direction = Frame::new(normal).to_world(texel_direction(column, row, n, inside));
             let origin = lifted(position, normal, self.tracer);
             (direction, Ray { origin, direction: direction.as_vec3().to_array() })
         };

@@ -161,7 +161,7 @@ fn worth_of(key: CellKey, starts: &Starts, weighting: PointWeights, tracer: &Tra
     let offset = DVec2::new(unit(mix(key.seed(), 21)), unit(mix(key.seed(), 22)));
     let look = |i: usize| {
         let (point, square) = (i / NEARBY_RAYS, r2(i as f64, offset));
-        starts.ray(point, Frame::of(starts.normals[point]).to_world(cosine_direction_of(square)))
+        starts.ray(point, Frame::new(starts.normals[point]).to_world(cosine_direction_of(square)))
     };
     let looks: Vec<Ray> = (0..count * NEARBY_RAYS).map(look).collect();
     let blocked = tracer.blocked_within(&looks, (size_of(key.level) * NEARBY) as f32);
@@ -193,7 +193,7 @@ pub struct ProbeTrace {
 
 impl ProbeTrace {
     /// Creates a probe from weighted points, before anything is known of their sky.
-    fn of(key: CellKey, points: Vec<SurfacePoint>, starts: Starts, worth: &[f64]) -> Self {
+    fn new(key: CellKey, points: Vec<SurfacePoint>, starts: Starts, worth: &[f64]) -> Self {
         let sum: f64 = worth.iter().sum();
         let points: Vec<(SurfacePoint, f64)> = points.into_iter().zip(worth.iter().map(|worth| worth / sum)).collect();
         let normal = mean_normal(key, points.iter().map(|(point, share)| point.normal * *share));
@@ -213,7 +213,7 @@ pub struct Starts {
 }
 
 impl Starts {
-    fn of(key: CellKey, points: &[SurfacePoint], tracer: &Tracer) -> Self {
+    fn new(key: CellKey, points: &[SurfacePoint], tracer: &Tracer) -> Self {
         let backs = points.iter().filter(|_| key.is_leaf());
         Starts {
             normals: points.iter().map(|p| p.normal).collect(),
@@ -258,10 +258,10 @@ fn points_of(key: CellKey, n: usize, surfaces: CellSurfaces) -> Vec<SurfacePoint
 /// without casting rays to the sky.
 pub fn known_probe(key: CellKey, bits: Vec<u8>, texture: &Directions, surfaces: CellSurfaces) -> ProbeTrace {
     let points = points_of(key, texture.n, surfaces);
-    let starts = Starts::of(key, &points, surfaces.tracer);
+    let starts = Starts::new(key, &points, surfaces.tracer);
     let (worth, rays) = worth_of(key, &starts, texture.weighting, surfaces.tracer);
     let owner = if points.is_empty() { Vec::new() } else { texture.owners(key, &worth) };
-    ProbeTrace { bits, owner, rays, ..ProbeTrace::of(key, points, starts, &worth) }
+    ProbeTrace { bits, owner, rays, ..ProbeTrace::new(key, points, starts, &worth) }
 }
 
 /// Returns all rays that [`trace_probe`] may cast to the sky for a cell without hidden points.
@@ -282,9 +282,9 @@ pub fn trace_probe(key: CellKey, texture: &Directions, surfaces: CellSurfaces) -
     let points = points_of(key, n, surfaces);
     let count = points.len();
     let mut sky = SkyBits { bits: vec![0_u8; (n * n).div_ceil(8)] };
-    let starts = Starts::of(key, &points, tracer);
+    let starts = Starts::new(key, &points, tracer);
     if count == 0 {
-        return ProbeTrace { bits: sky.bits, ..ProbeTrace::of(key, points, starts, &[]) };
+        return ProbeTrace { bits: sky.bits, ..ProbeTrace::new(key, points, starts, &[]) };
     }
     let seed = key.seed();
     let (mut worth, mut rays) = worth_of(key, &starts, texture.weighting, tracer);
@@ -319,7 +319,7 @@ pub fn trace_probe(key: CellKey, texture: &Directions, surfaces: CellSurfaces) -
 
     // Third round: the remaining texels, where those traced first do not decide them.
     if texture.refined {
-        let base = Refinement::of(n, &first, &sky.bits, |texel| look.is_before(texel, usize::from(owner[texel])));
+        let base = Refinement::new(n, &first, &sky.bits, |texel| look.is_before(texel, usize::from(owner[texel])));
         for texel in texture.texels().filter(|&texel| !base.is_traced(texel)) {
             let point = usize::from(owner[texel]);
             match base.told(texel) {
@@ -333,7 +333,7 @@ pub fn trace_probe(key: CellKey, texture: &Directions, surfaces: CellSurfaces) -
     }
     ASKED.set(look.asked);
     CAST.set(look.cast);
-    ProbeTrace { bits: sky.bits, owner, rays, doubtful, ..ProbeTrace::of(key, points, starts, &worth) }
+    ProbeTrace { bits: sky.bits, owner, rays, doubtful, ..ProbeTrace::new(key, points, starts, &worth) }
 }
 
 /// Sky bits of a texture.

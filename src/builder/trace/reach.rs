@@ -76,7 +76,7 @@ impl Reach {
         let shown = |(ball, share): (&Ball, f64)| {
             let way = ball.middle - middle;
             let wide = 1.0 - (1.0 - (ball.radius / way.length()).powi(2)).sqrt();
-            let frame = Frame::of(way.normalize());
+            let frame = Frame::new(way.normalize());
             let ray = |i: u64| {
                 // R2 sequence (Roberts 2018), uniform in the cone.
                 let [u, v] = [(12, 0.754_877_666_246_692_8), (13, 0.569_840_290_998_053_3)]
@@ -148,7 +148,7 @@ mod tests {
     fn bounds_fall_with_distance() {
         let corners = [DVec3::ZERO, DVec3::X * 2.0, DVec3::new(1.0, 1.0, 0.0)];
         let scene = Scene::from_triangles(&[(corners, 0)], vec![Material::matt("a", 0.5, Class::Ground)]).expect("one");
-        let change = Change::of(&SceneChange { added: vec![0], ..SceneChange::default() }, &scene);
+        let change = Change::new(&SceneChange { added: vec![0], ..SceneChange::default() }, &scene);
         let reach = Reach::new(&change, 0.5);
         let middle = DVec3::new(1.0, 0.5, 0.0) - scene.mesh.origin;
         let radius = 0.5 * 5_f64.sqrt() + MARGIN_M;

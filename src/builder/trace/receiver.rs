@@ -227,7 +227,7 @@ impl Viewpoint {
 
     /// Returns the directions of the hit rays by texel: jittered, world frame.
     pub(crate) fn hit_directions(&self, n: usize) -> impl Fn(usize) -> DVec3 + use<> {
-        let (frame, seed) = (Frame::of(self.normal), self.seed());
+        let (frame, seed) = (Frame::new(self.normal), self.seed());
         move |texel| frame.to_world(texel_direction(texel % n, texel / n, n, jitter(seed, texel as u64)))
     }
 

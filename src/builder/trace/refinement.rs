@@ -23,7 +23,7 @@ impl Refinement {
     /// Creates the answers from the texels of an n x n texture that were traced first, one in each
     /// 2 x 2, and their bits. `is_before` is true for texels in front of the surface of their
     /// point.
-    pub fn of(n: usize, first: &[usize], bits: &[u8], is_before: impl Fn(usize) -> bool) -> Self {
+    pub fn new(n: usize, first: &[usize], bits: &[u8], is_before: impl Fn(usize) -> bool) -> Self {
         let m = n / 2;
         let (mut open, mut traced) = (vec![None; m * m], vec![0; m * m]);
         let (mut asked, mut found) = (0, 0);
@@ -81,14 +81,14 @@ mod tests {
         };
         let left = |t: usize| t % n < n / 2;
         let bits = bits_of(&left);
-        let base = Refinement::of(n, &first, &bits, |_| true);
+        let base = Refinement::new(n, &first, &bits, |_| true);
         let told: Vec<(usize, bool)> = first.iter().filter_map(|&t| Some((t, base.told(t)?))).collect();
         assert_eq!(told.len(), 1024 - 64);
         assert!(told.iter().all(|&(t, open)| open == left(t) && base.is_traced(t) && !base.is_traced(t - 1)));
-        let behind = Refinement::of(n, &first, &bits, |t| t / n >= n / 4);
+        let behind = Refinement::new(n, &first, &bits, |t| t / n >= n / 4);
         let is_told = |t: usize| t / n >= n / 4 && !(15..=16).contains(&(t % n / 2));
         assert!((0..n * n).all(|t| behind.told(t).is_some() == is_told(t)));
-        let dark = Refinement::of(n, &first, &bits_of(&|t| t / n < 2 && t % n < 60), |_| true);
+        let dark = Refinement::new(n, &first, &bits_of(&|t| t / n < 2 && t % n < 60), |_| true);
         assert!((0..n * n).all(|t| dark.told(t).is_none()));
     }
 }

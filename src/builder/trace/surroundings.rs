@@ -124,7 +124,7 @@ pub fn looks_around(key: CellKey, probe: &ProbeTrace, texture: &Directions, coun
         from(usize::from(probe.owner[texel]), directions[texel], true);
     }
     if down_count > 0 {
-        let frames: Vec<Frame> = normals.iter().map(|&normal| Frame::of(normal)).collect();
+        let frames: Vec<Frame> = normals.iter().map(|&normal| Frame::new(normal)).collect();
         let weights: Vec<f64> = probe.points.iter().map(|p| p.1).collect();
         let square = tries_of(key);
         // Only tries that go below the horizon are kept.
@@ -169,7 +169,7 @@ pub fn may_cast(key: CellKey, probe: &ProbeTrace, texture: &Directions, count: u
     if !seen.lies_below() || !probe.points.iter().any(|(point, _)| below(point)) {
         return rays;
     }
-    let frames: Vec<Frame> = probe.points.iter().map(|p| Frame::of(p.0.normal)).collect();
+    let frames: Vec<Frame> = probe.points.iter().map(|p| Frame::new(p.0.normal)).collect();
     let square = tries_of(key);
     // A try counts for a point if it goes below the point's horizon. Tries end when `count` of them
     // count for all points.

@@ -83,10 +83,10 @@ fn check_output(path: &Path, written: OutputKind, geo: bool) -> Result<()> {
     }
     match written {
         OutputKind::Archive => check_archive_name(path)?,
-        OutputKind::Table => drop(Format::of(path)?),
+        OutputKind::Table => drop(Format::by_ending(path)?),
         // `replay` names the other formats that it writes.
         OutputKind::Results if is_city_model(path) => {}
-        OutputKind::Results => drop(ResultFormat::of(path, geo)?),
+        OutputKind::Results => drop(ResultFormat::by_ending(path, geo)?),
         OutputKind::Csv => check_name(path)?,
         OutputKind::Folder(_) if FILES.contains(&ending(path).as_str()) && !path.is_dir() => {
             let what = "has the ending of a file, and the output is a folder of several files";

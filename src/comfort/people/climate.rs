@@ -65,7 +65,7 @@ impl MissingAir {
 
 impl HourAir {
     /// Returns air over surfaces that are as warm as it is, with its own wind.
-    pub fn of(air: Air) -> Self {
+    pub fn new(air: Air) -> Self {
         let emission = air.sky_w_m2().zip(air.dry_bulb_c).map(|(sky_w_m2, air_c)| {
             let surface_w_m2 = black_body_w_m2(air_c);
             Emission { sky_w_m2, ground_w_m2: surface_w_m2, obstruction_w_m2: surface_w_m2 }
@@ -114,7 +114,7 @@ impl HourAir {
         };
         let of = |column, index: &dyn Fn(f64, f64) -> Option<f64>| {
             let humidity_percent = humidity_percent.filter(|_| asked.contains(&column))?;
-            Some(IndexCurve::of(air_c, |mean_radiant_c| index(mean_radiant_c, humidity_percent)))
+            Some(IndexCurve::new(air_c, |mean_radiant_c| index(mean_radiant_c, humidity_percent)))
         };
         let utci = of(ComfortColumn::Utci, &|mean_radiant_temperature_c, relative_humidity_percent| {
             let input = UtciInput {
@@ -155,7 +155,7 @@ mod tests {
             wind_m_s: Some(1.0),
             ..Air::default()
         };
-        let lacks = |air: Air, asked| HourAir::of(air).check(&[asked]).err().map(|missing| missing.in_hour("h"));
+        let lacks = |air: Air, asked| HourAir::new(air).check(&[asked]).err().map(|missing| missing.in_hour("h"));
         let (mrt, utci) = (ComfortColumn::MeanRadiant, ComfortColumn::Utci);
         assert_eq!(lacks(air, utci), None);
         for (air, word) in [
@@ -180,7 +180,7 @@ mod tests {
             wind_m_s: Some(2.0),
             ..Air::default()
         };
-        let climate = HourAir::of(air).climate(&ComfortModel::usual(&[]), &[ComfortColumn::Utci]).expect("all there");
+        let climate = HourAir::new(air).climate(&ComfortModel::usual(&[]), &[ComfortColumn::Utci]).expect("all there");
         assert!(climate.pet.is_none());
         let expected = utci_c(&UtciInput {
             air_temperature_c: 25.0,

@@ -53,7 +53,7 @@ impl PersonPoints {
     /// Returns the points of these receivers. Each must have all six planes at one place: up, down
     /// and four sides, which may be turned. The error names a plane that is missing or does not
     /// face as its name says.
-    pub fn of(receivers: impl IntoIterator<Item = Receiver>) -> Result<Self, String> {
+    pub fn new(receivers: impl IntoIterator<Item = Receiver>) -> Result<Self, String> {
         let mut points = PersonPoints::default();
         let mut found: HashMap<String, [Option<Plane>; 6]> = HashMap::new();
         for (place, Receiver { id, position, normal, .. }) in receivers.into_iter().enumerate() {
@@ -175,10 +175,10 @@ mod tests {
     fn points_need_all_six_planes() {
         let mut people = people();
         people.reverse();
-        let points = PersonPoints::of(people.clone()).expect("points");
+        let points = PersonPoints::new(people.clone()).expect("points");
         assert_eq!((points.len(), points.name(0), points.number("a")), (2, "b", Some(1)));
         assert_eq!(points.planes(0), Some(&[10, 8, 6, 4, 2, 0]));
-        let without = |name: &str| PersonPoints::of(people.iter().filter(|of| of.id != name).cloned());
+        let without = |name: &str| PersonPoints::new(people.iter().filter(|of| of.id != name).cloned());
         assert!(without("a/east").is_err_and(|what| what.contains("no receiver `a/east`")));
         assert!(without("a").is_err_and(|what| what.contains("no receiver `a` that faces up")));
     }
@@ -190,7 +190,7 @@ mod tests {
         let refused = |change: fn(&mut [Receiver])| {
             let mut people = people();
             change(&mut people);
-            PersonPoints::of(people).is_err_and(|what| what.contains("face up, down and to the four sides"))
+            PersonPoints::new(people).is_err_and(|what| what.contains("face up, down and to the four sides"))
         };
         let turned = |people: &mut [Receiver]| people.iter_mut().for_each(|of| of.normal.x *= -1.0);
         assert!(refused(turned), "east and west are changed");

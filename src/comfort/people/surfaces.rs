@@ -22,7 +22,7 @@ impl SurfaceMean {
     /// is not seen.
     pub fn of_class(class: Class, materials: &[Material]) -> Self {
         let unseen = SurfaceMean { emissivity: usual_emissivity(class), absorptance: 1.0 };
-        SurfaceMean::of(SurfaceMean::of_solids(class, materials).map(|mean| (1.0, Some(mean)))).unwrap_or(unseen)
+        SurfaceMean::new(SurfaceMean::of_solids(class, materials).map(|mean| (1.0, Some(mean)))).unwrap_or(unseen)
     }
 
     /// Iterates over the values of the materials of a class that are surfaces. Leaves and screens
@@ -61,7 +61,7 @@ pub fn seen_surfaces(site: &OpenSite, tile: u32, receivers: usize) -> Result<Vec
             let of = |(texel, cosine): (&u32, &f64)| {
                 (*cosine, of_texel(texel).filter(|met| met.0 == class).map(|met| met.1))
             };
-            differ[class.index()].then(|| SurfaceMean::of(texels.iter().zip(&cosines).map(of))).flatten()
+            differ[class.index()].then(|| SurfaceMean::new(texels.iter().zip(&cosines).map(of))).flatten()
         };
         SeenSurfaces { ground: of_class(Class::Ground), obstruction: of_class(Class::Obstruction) }
     };

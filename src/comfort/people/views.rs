@@ -47,7 +47,7 @@ impl PlaneViews {
     pub fn of(&mut self, normal: DVec3, seen: &SeenByPlane) -> ViewShares {
         let clear = match &mut self.clear {
             Some(clear) if clear.side() == seen.sky.side() => clear,
-            other => other.insert(ClearSky::of(seen.sky.side())),
+            other => other.insert(ClearSky::new(seen.sky.side())),
         };
         let [sky, _, obstruction] = seen.shares.map(f64::from);
         // Leaves before the sky are as warm as the air and black, as far as light does not pass

@@ -106,13 +106,13 @@ impl Accuracy {
             return self.rmse_percent / 100.0 * mean_w_m2;
         }
         // All hours, then each kind that is stated, in the archive and in the mix.
-        let mut stated = vec![Portion::of(1.0, [self.mean_w_m2, self.rmse_w_m2()], [0.0; 2])];
-        let mut there = vec![Portion::of(1.0, [mean_w_m2, 0.0], [0.0; 2])];
+        let mut stated = vec![Portion::new(1.0, [self.mean_w_m2, self.rmse_w_m2()], [0.0; 2])];
+        let mut there = vec![Portion::new(1.0, [mean_w_m2, 0.0], [0.0; 2])];
         for hours in &self.hours {
             if let Some(mix) = mix.iter().find(|mix| mix.hours == hours.hours) {
                 let matt = [hours.reflected_mean_w_m2, hours.reflected_w_m2];
-                stated.push(Portion::of(hours.share_percent / 100.0, [hours.mean_w_m2, hours.rmse_w_m2], matt));
-                there.push(Portion::of(mix.share, [mix.mean_w_m2, 0.0], [mix.reflected_mean_w_m2, 0.0]));
+                stated.push(Portion::new(hours.share_percent / 100.0, [hours.mean_w_m2, hours.rmse_w_m2], matt));
+                there.push(Portion::new(mix.share, [mix.mean_w_m2, 0.0], [mix.reflected_mean_w_m2, 0.0]));
             }
         }
         let pairs = alone(&stated).into_iter().zip(alone(&there));
@@ -185,7 +185,7 @@ fn alone(portions: &[Portion]) -> Vec<Portion> {
 
 impl Portion {
     /// Returns a portion of mean and RMSE, W/m2, of the total and of the reflected light.
-    fn of(share: f64, total: [f64; 2], matt: [f64; 2]) -> Self {
+    fn new(share: f64, total: [f64; 2], matt: [f64; 2]) -> Self {
         let part = |[mean, rmse]: [f64; 2]| Part { light: share * mean, square: share * rmse * rmse };
         Portion { share, total: part(total), matt: part(matt) }
     }

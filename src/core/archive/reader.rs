@@ -46,7 +46,7 @@ impl Archive {
 
     /// Opens a finished archive whose bytes come from any source, without a file system. Messages
     /// call it `name`. Errors as in `Archive::open`.
-    pub fn of(name: impl AsRef<Path>, bytes: impl ReadAt + 'static) -> Result<Self> {
+    pub fn new(name: impl AsRef<Path>, bytes: impl ReadAt + 'static) -> Result<Self> {
         Archive::read(Source::new(name.as_ref(), Box::new(bytes)))
     }
 

@@ -60,11 +60,11 @@ impl SkyBitmap {
         if is_refined(base, fine) {
             return decode_refined(raw, count, base, fine);
         }
-        decode(raw, count, base, fine, |texture| SkyBitmap::of(&texture.dense(), base))
+        decode(raw, count, base, fine, |texture| SkyBitmap::new(&texture.dense(), base))
     }
 
     /// Makes the bitmap of a square of fine bits; `base` divides its side.
-    pub fn of(dense: &BitSquare, base: usize) -> SkyBitmap {
+    pub fn new(dense: &BitSquare, base: usize) -> SkyBitmap {
         let block = dense.side() / base;
         let mut bitmap = SkyBitmap::closed(base, block);
         for row in 0..base {
@@ -237,7 +237,7 @@ mod tests {
             let traces = [DVec3::Z, DVec3::new(0.6, 0.0, 0.8), DVec3::NEG_Y].map(trace);
             let raw = SkyTexture::pack(&traces.clone().map(|t| t.0));
             let bitmaps = SkyBitmap::unpack(&raw, 3, base, fine).unwrap_or_default();
-            assert_eq!(bitmaps, traces.clone().map(|t| SkyBitmap::of(&t.1, base)).to_vec(), "{base} {fine}");
+            assert_eq!(bitmaps, traces.clone().map(|t| SkyBitmap::new(&t.1, base)).to_vec(), "{base} {fine}");
             for (bitmap, (_, dense)) in bitmaps.iter().zip(&traces) {
                 let wrong =
                     (0..fine * fine).filter(|t| bitmap.get(t % fine, t / fine) != dense.get(t % fine, t / fine));
@@ -264,7 +264,7 @@ mod tests {
         let raw = [0xff; 2 * 5 * 33];
         let bitmaps = SkyBitmap::unpack(&raw, 1, 33, 66).unwrap_or_default();
         let dense = SkyTexture::unpack(&raw, 1, 33, 66).unwrap_or_default();
-        assert_eq!(bitmaps, [SkyBitmap::of(&dense[0], 33)]);
+        assert_eq!(bitmaps, [SkyBitmap::new(&dense[0], 33)]);
         let mut seen = Vec::new();
         bitmaps[0].for_visible(|texel, share| seen.push((texel, share)));
         assert_eq!(seen, (0..1089).map(|texel| (texel, 1.0)).collect::<Vec<_>>());

@@ -85,7 +85,7 @@ pub struct Shade {
 
 impl Shade {
     /// Returns the shares of cell `i` of a table whose sky has texels with these centres.
-    pub fn of(cells: &Cells, i: usize, powers: &Powers, centres: &[[f32; 3]]) -> Self {
+    pub fn new(cells: &Cells, i: usize, powers: &Powers, centres: &[[f32; 3]]) -> Self {
         let canopy = cells.canopy_of(i);
         let through = |list| canopy.and_then(|canopy| canopy.through(list, powers));
         let mut sky = through(SKY);

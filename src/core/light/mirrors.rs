@@ -24,10 +24,10 @@ pub struct MirrorTable {
 
 impl MirrorTable {
     /// Returns the mirrors of a site.
-    pub fn of(site: &OpenSite) -> Self {
+    pub fn new(site: &OpenSite) -> Self {
         MirrorTable {
             orientations: site.orientations().to_vec(),
-            reflectors: site.materials().iter().map(Reflector::of).collect(),
+            reflectors: site.materials().iter().map(Reflector::new).collect(),
         }
     }
 }

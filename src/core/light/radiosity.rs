@@ -325,7 +325,7 @@ impl<'a> System<'a> {
             let place: CellMap<u32> =
                 chunk.reached().filter_map(|key| Some((key, keys.binary_search(&key).ok()? as u32))).collect();
             for i in (0..chunk.keys.len()).filter(|&i| rules.closes(&chunk.keys[i])) {
-                let shade = Shade::of(&chunk, i, powers, &centres);
+                let shade = Shade::new(&chunk, i, powers, &centres);
                 for (key, weight) in rules.row(&chunk, i, &shade, &centres, &tables.mirrors.reflectors) {
                     let cell = *place.get(&key).ok_or_else(|| source.missing(&key, source.block_of(&chunk.keys[i])))?;
                     system.rows.push((cell, weight));

@@ -42,7 +42,7 @@ impl Reflector {
     }
 
     /// Returns the properties of a material of the scene.
-    pub fn of(material: &Material) -> Self {
+    pub fn new(material: &Material) -> Self {
         Reflector {
             diffuse: material.diffuse,
             class: material.class,
@@ -68,7 +68,7 @@ mod tests {
     #[test]
     fn fewer_leaves_scatter_less() {
         let of = |transmittance, diffuse| {
-            Reflector::of(&Material { transmittance, ..Material::matt("m", diffuse, Class::Obstruction) })
+            Reflector::new(&Material { transmittance, ..Material::matt("m", diffuse, Class::Obstruction) })
         };
         let leaf = of(Some(0.2), 0.4);
         assert!((leaf.scattered(0.6) - 0.2).abs() < 1e-12 && leaf.scattered(1.0) == 0.0);

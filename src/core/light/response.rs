@@ -55,7 +55,7 @@ pub fn hit_weights(texels: &[u32], viewer: &Viewer, shares: Option<&[f32]>) -> H
 /// Rays below divide the lower part of the hemisphere. So sky and surfaces add up to one exactly.
 pub fn texel_weights(texels: &[u32], viewer: &Viewer) -> Vec<f64> {
     let n = texels.len().isqrt();
-    let frame = Frame::of(viewer.normal);
+    let frame = Frame::new(viewer.normal);
     let (mut above, mut below) = (0.0, 0.0);
     let rays: Vec<(f64, bool)> = (0..texels.len())
         .map(|t| {

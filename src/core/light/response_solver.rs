@@ -298,7 +298,7 @@ impl Group<'_> {
         for (part, cells) in self.fine.iter().enumerate() {
             let chains = Chains::of_cells(cells, &tables.bounces, &tables.mirrors, bounce_centres)?;
             let of_cell = |row: usize| {
-                let shade = Shade::of(cells, row, &leafages.powers[leafage], bounce_centres);
+                let shade = Shade::new(cells, row, &leafages.powers[leafage], bounce_centres);
                 let weighted = rules.row(cells, row, &shade, bounce_centres, reflectors).into_iter();
                 let seen = weighted.map(|(cell, w)| Ok((self.place(tables, &cell)? as u32, w)));
                 let (place, seen) = (self.place(tables, &cells.keys[row])?, seen.collect::<Result<_>>()?);
@@ -387,7 +387,7 @@ impl Group<'_> {
             }
             let scaled = |normal: [f32; 3]| normal.map(|c| c * weight as f32);
             let out = &mut first[slot][class * 3 * texels..(class + 1) * 3 * texels];
-            let shade = Shade::of(&self.probes, probe, powers, centres);
+            let shade = Shade::new(&self.probes, probe, powers, centres);
             match &shade.sky {
                 None => add_bits(out, self.probes.bits_of(probe), scaled(self.probes.normals[probe]), texels),
                 Some(shares) => add_shares(out, self.probes.bits_of(probe), scaled(self.probes.normals[probe]), shares),

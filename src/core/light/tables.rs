@@ -20,10 +20,10 @@ pub struct Tables<'a> {
 
 impl<'a> Tables<'a> {
     /// Returns the tables of a site; reads the indices of its cells.
-    pub fn of(site: &OpenSite<'a>) -> Result<Self> {
+    pub fn new(site: &OpenSite<'a>) -> Result<Self> {
         Ok(Tables {
             settings: *site.settings(),
-            mirrors: MirrorTable::of(site),
+            mirrors: MirrorTable::new(site),
             probes: CellSource::probes(site)?,
             bounces: CellSource::bounces(site)?,
         })

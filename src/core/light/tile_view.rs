@@ -36,11 +36,11 @@ impl TileView {
 
     /// Reads a tile.
     pub fn read(site: &OpenSite, number: u32) -> Result<Self> {
-        TileView::of(site, number, site.tile_receivers(number)?)
+        TileView::new(site, number, site.tile_receivers(number)?)
     }
 
     /// Returns the view of a tile whose table of receivers is read already.
-    pub fn of(site: &OpenSite, number: u32, receivers: tables::ReceiversTable) -> Result<Self> {
+    pub fn new(site: &OpenSite, number: u32, receivers: tables::ReceiversTable) -> Result<Self> {
         let rows = receivers.rows();
         let viewer = |i: usize| {
             let (position, normal) = (DVec3::from(receivers.position[i]), DVec3::from(receivers.normal[i]));

@@ -63,7 +63,7 @@ impl ReceiverMatching {
     ///
     /// The pairs depend on the order of the receivers only where distances are equal: the earlier
     /// ones are then matched first.
-    pub fn of(before: &[ReceiverPlace], after: &[ReceiverPlace]) -> Self {
+    pub fn new(before: &[ReceiverPlace], after: &[ReceiverPlace]) -> Self {
         let mut search = Search {
             before,
             after,
@@ -276,7 +276,7 @@ mod tests {
     fn names_may_be_numbered_anew() {
         let before = ["r1", "r2", "r3", "r4"].into_iter().zip([1.0, 2.0, 3.0, 4.0]).map(|(id, x)| flat(id, x));
         let after = ["r1", "r2", "r3", "r4"].into_iter().zip([0.0, 1.0, 2.0, 4.0]).map(|(id, x)| flat(id, x));
-        let found = ReceiverMatching::of(&before.collect::<Vec<_>>(), &after.collect::<Vec<_>>());
+        let found = ReceiverMatching::new(&before.collect::<Vec<_>>(), &after.collect::<Vec<_>>());
         assert_eq!(pairs(&found), [[0, 1], [1, 2], [3, 3]]);
         assert_eq!((found.moved(), found.only_before, found.only_after), (0, vec![2], vec![0]));
     }
@@ -293,7 +293,7 @@ mod tests {
             place("c", [85_020.0, 446_000.0, 3.0], tilted(0.6)),
             place("e", [85_030.011, 446_000.0, 3.0], DVec3::Z),
         ];
-        let found = ReceiverMatching::of(&before, &after);
+        let found = ReceiverMatching::new(&before, &after);
         let is_moved: Vec<bool> = found.pairs.iter().map(|pair| pair.is_moved).collect();
         assert_eq!((pairs(&found), is_moved), (vec![[0, 0], [1, 1], [2, 2]], vec![false, true, true]));
         assert_eq!((found.moved(), found.only_before, found.only_after), (2, vec![3], vec![3]));
@@ -305,10 +305,10 @@ mod tests {
     fn the_nearest_is_taken_first() {
         let before = [flat("a", 0.099), flat("b", 0.104), flat("c", 7.0)];
         let mut after = vec![flat("x", 0.1045), flat("y", 0.1), flat("z", 7.004), flat("w", 7.004)];
-        let found = ReceiverMatching::of(&before, &after);
+        let found = ReceiverMatching::new(&before, &after);
         assert_eq!((pairs(&found), &found.only_after), (vec![[0, 1], [1, 0], [2, 2]], &vec![3]));
         after.swap(0, 1);
-        assert_eq!(pairs(&ReceiverMatching::of(&before, &after)), [[0, 0], [1, 1], [2, 2]]);
+        assert_eq!(pairs(&ReceiverMatching::new(&before, &after)), [[0, 0], [1, 1], [2, 2]]);
     }
 
     /// The two sides of a wall stand at one place and are told apart by their normals, though their
@@ -317,7 +317,7 @@ mod tests {
     fn sides_are_told_apart() {
         let before = [place("in", [0.0; 3], DVec3::X), place("out", [0.0; 3], DVec3::NEG_X)];
         let after = [place("in", [0.0; 3], DVec3::NEG_X), place("out", [0.0; 3], DVec3::X)];
-        assert_eq!(pairs(&ReceiverMatching::of(&before, &after)), [[0, 1], [1, 0]]);
+        assert_eq!(pairs(&ReceiverMatching::new(&before, &after)), [[0, 1], [1, 0]]);
     }
 
     /// No receivers, repeated names, NaN and infinities do not panic. Of 3 places that are no
@@ -327,11 +327,11 @@ mod tests {
         let odd = |id: &str| {
             [f64::NAN, f64::INFINITY, f64::NEG_INFINITY].map(|x| place(&format!("{id}{x}"), [x, 1e300, 0.0], DVec3::Z))
         };
-        let empty = ReceiverMatching::of(&[], &odd("a"));
+        let empty = ReceiverMatching::new(&[], &odd("a"));
         assert_eq!((empty.pairs.len(), empty.only_after), (0, vec![0, 1, 2]));
         let twice = [flat("a", 0.0), flat("a", 1.0), flat("a", 2.0)];
-        assert_eq!(pairs(&ReceiverMatching::of(&twice, &twice)), [[0, 0], [1, 1], [2, 2]]);
-        assert_eq!(ReceiverMatching::of(&odd("a"), &odd("b")).only_before.len(), 3);
+        assert_eq!(pairs(&ReceiverMatching::new(&twice, &twice)), [[0, 0], [1, 1], [2, 2]]);
+        assert_eq!(ReceiverMatching::new(&odd("a"), &odd("b")).only_before.len(), 3);
     }
 
     /// 70,000 receivers that are renamed and moved by 3 mm are matched with themselves, and 70,000
@@ -343,11 +343,11 @@ mod tests {
             let at = |i: usize| [(i % 264) as f64 * 0.5 + shift, (i / 264) as f64 * 0.5, 0.0];
             (0..70_000).map(|i| place(&format!("{name}{i}"), at(i), DVec3::Z)).collect()
         };
-        let found = ReceiverMatching::of(&grid(0.0, "a"), &grid(0.003, "b"));
+        let found = ReceiverMatching::new(&grid(0.0, "a"), &grid(0.003, "b"));
         assert!(found.pairs.len() == 70_000 && found.pairs.iter().all(|pair| pair.before == pair.after));
         let heap =
             |name: &str| -> Vec<ReceiverPlace> { (0..70_000).map(|i| flat(&format!("{name}{i}"), 0.0)).collect() };
-        assert_eq!(ReceiverMatching::of(&heap("a"), &heap("b")).pairs.len(), 70_000);
+        assert_eq!(ReceiverMatching::new(&heap("a"), &heap("b")).pairs.len(), 70_000);
         assert!(begun.elapsed().as_secs_f64() < 5.0, "{:?}", begun.elapsed());
     }
 }

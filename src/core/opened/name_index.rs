@@ -22,7 +22,7 @@ pub struct NameIndex<'a> {
 
 impl<'a> NameIndex<'a> {
     /// Returns the index of the names of a site.
-    pub fn of(site: &OpenSite<'a>) -> Result<Self> {
+    pub fn new(site: &OpenSite<'a>) -> Result<Self> {
         // A site without receivers has no names.
         let firsts = match site.receivers() {
             0 => Vec::new(),

@@ -51,7 +51,7 @@ impl SiteFacts {
                 supported: "finite metres".into(),
             });
         }
-        let settings = SiteSettings::of(stated, path)?;
+        let settings = SiteSettings::new(stated, path)?;
         let (receivers, tiles) = (receivers.count, receivers.tiles);
         let north = North::default();
         Ok(SiteFacts { settings, materials, as_stored: true, orientations, north, receivers, tiles })
@@ -78,15 +78,15 @@ pub struct OpenSite<'a> {
 impl<'a> OpenSite<'a> {
     /// Opens the site of an archive. It is an error if settings are out of range, or if tables of
     /// materials or mirrors are damaged or refer to missing rows.
-    pub fn of(archive: &'a Archive) -> Result<Self> {
+    pub fn open(archive: &'a Archive) -> Result<Self> {
         OpenSite::new(archive, archive.manifest())
     }
 
-    /// Opens the site of blocks that a manifest describes; errors as in [`OpenSite::of`].
+    /// Opens the site of blocks that a manifest describes; errors as in [`OpenSite::open`].
     pub fn new(blocks: &'a dyn Blocks, manifest: &Manifest) -> Result<Self> {
         let (origin, path) = (DVec3::from(manifest.scene.origin_m), blocks.path());
         // Settings come first: an error in the manifest concerns all blocks.
-        SiteSettings::of(&manifest.settings, path)?;
+        SiteSettings::new(&manifest.settings, path)?;
         let materials = materials::materials(blocks)?;
         let orientations = materials::orientations(blocks, materials.len())?;
         let kinds: BTreeSet<BlockKind> = manifest.layers.iter().map(|layer| layer.kind).collect();
@@ -98,7 +98,7 @@ impl<'a> OpenSite<'a> {
         }
         let mut facts =
             SiteFacts::given(path, &manifest.settings, origin, &manifest.receivers, materials, orientations)?;
-        facts.north = North::of(manifest.place.as_ref());
+        facts.north = North::new(manifest.place.as_ref());
         Ok(OpenSite { blocks, facts: Arc::new(facts) })
     }
 

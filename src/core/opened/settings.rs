@@ -42,7 +42,7 @@ pub struct SiteSettings {
 
 impl SiteSettings {
     /// Returns the settings if textures and rays can have them; errors name the archive by `path`.
-    pub fn of(stated: &Settings, path: &Path) -> Result<Self> {
+    pub fn new(stated: &Settings, path: &Path) -> Result<Self> {
         let refuse = |found: String, supported: String| {
             let what = format!("{}: settings in the manifest", path.display());
             Err(Error::Unsupported { what: what.into(), found, supported: supported.into() })
@@ -120,7 +120,7 @@ mod tests {
             steps: 12,
             ..Settings::default()
         };
-        let of = |settings: &Settings| SiteSettings::of(settings, Path::new("a.helio"));
+        let of = |settings: &Settings| SiteSettings::new(settings, Path::new("a.helio"));
         let taken = of(&good).expect("settings");
         assert_eq!((taken.sky_fine, taken.closed_level, taken.diffuse), (1024, level_of(8.0), true));
         assert_eq!(taken.receiver_rays(), [256 * 256, 1024]);

@@ -19,7 +19,7 @@ impl Orientation {
     pub const FLAT: Orientation = Orientation { tilt_deg: 0.0, azimuth_deg: 0.0 };
 
     /// Returns the orientation of a unit normal by true east, true north and up.
-    pub fn of(normal: DVec3) -> Orientation {
+    pub fn new(normal: DVec3) -> Orientation {
         let (tilt_deg, azimuth_deg) = tilt_and_azimuth(normal);
         Orientation { tilt_deg, azimuth_deg }
     }
@@ -142,11 +142,11 @@ impl TangentPlane {
     pub fn turn(&self, a_deg: f64, b_deg: f64) -> Orientation {
         let off = a_deg.hypot(b_deg);
         if off == 0.0 {
-            return Orientation::of(self.middle);
+            return Orientation::new(self.middle);
         }
         let (sin, cos) = off.to_radians().sin_cos();
         let way = (self.side * a_deg + self.up * b_deg) / off;
-        Orientation::of((self.middle * cos + way * sin).normalize())
+        Orientation::new((self.middle * cos + way * sin).normalize())
     }
 
     /// Returns the place of an orientation in the plane, degrees.

@@ -58,7 +58,7 @@ struct BandColumn {
 impl BandColumn {
     /// Returns the column of `component`, or `None` if it belongs to no band, or to a user's band
     /// that is not given.
-    fn of(component: Component, own: &[OwnBand]) -> Option<Self> {
+    fn new(component: Component, own: &[OwnBand]) -> Option<Self> {
         let band = |band: Band, factor| {
             let scaling = SourceScaling::Constant(band.shares().times(factor));
             Some(BandColumn { component, optics: Some(band), scaling })
@@ -104,7 +104,7 @@ impl<'a> BandPass<'a> {
     /// Returns the replays of those components that are columns of bands, without schedules.
     pub fn all(site: &OpenSite<'a>, components: ComponentSet, own: &[OwnBand]) -> Vec<Self> {
         let mut passes: Vec<BandPass> = Vec::new();
-        for column in components.iter().filter_map(|component| BandColumn::of(component, own)) {
+        for column in components.iter().filter_map(|component| BandColumn::new(component, own)) {
             let site = column.optics.map_or_else(|| site.clone(), |band| site.in_band(band));
             match passes.iter_mut().find(|pass| pass.site.materials() == site.materials()) {
                 Some(pass) => pass.columns.push(column),

@@ -247,7 +247,7 @@ impl ComponentSet {
     pub const ALL: ComponentSet = ComponentSet(0x7f);
 
     /// Returns the set of the listed components.
-    pub fn of(components: &[Component]) -> Self {
+    pub fn new(components: &[Component]) -> Self {
         ComponentSet(components.iter().fold(0, |set, component| set | 1 << *component as u32))
     }
 
@@ -301,7 +301,7 @@ impl ComponentList {
     }
 
     /// Returns the list of one column.
-    pub fn of(component: Component) -> Self {
+    pub fn new(component: Component) -> Self {
         ComponentList::listed(vec![component])
     }
 
@@ -345,7 +345,7 @@ impl ComponentList {
 
     /// Returns the columns as a set, without order.
     pub fn set(&self) -> ComponentSet {
-        ComponentSet::of(&self.list)
+        ComponentSet::new(&self.list)
     }
 }
 
@@ -396,7 +396,7 @@ mod tests {
         assert_eq!(list.as_slice(), [Component::Total, Component::SkyDirect]);
         let count = |with: &dyn Fn(Component) -> bool| Component::ALL.into_iter().filter(|c| with(*c)).count();
         assert_eq!((count(&|c| list.set().contains(c)), count(&|c| list.set().needs(c))), (2, 7));
-        let one = ComponentSet::of(&[Component::SunReflected]);
+        let one = ComponentSet::new(&[Component::SunReflected]);
         assert_eq!(count(&|c| one.needs(c)), 1);
         assert_eq!(ComponentList::all().set(), ComponentSet::ALL);
     }

@@ -122,7 +122,7 @@ impl SunGrid {
             true => Vec::new(),
             false => vec![Schedule { materials: grounds, values: vec![1.0; conditions.len()] }],
         };
-        let components = ComponentSet::of(&PARTS);
+        let components = ComponentSet::new(&PARTS);
         let settings = ReplaySettings { sky: SkyModel::Uniform, paths: LightPaths::FIRST, components, ..settings };
         let bins = Bins::each(conditions.len());
         Replay::builder(site, &conditions, settings).summed(&bins).scheduled(&schedules).build()

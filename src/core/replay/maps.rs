@@ -409,7 +409,7 @@ fn lit_cells(
     memory: MemoryBudget,
     storage: &dyn ScratchSpace,
 ) -> Result<Lit> {
-    let mut tables = Tables::of(site)?;
+    let mut tables = Tables::new(site)?;
     // Each cell fills the view of a receiver that looks up and has one texel. The response of that
     // receiver is pi times the cell's radiance.
     tables.settings.hit = 1;

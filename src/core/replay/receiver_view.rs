@@ -65,7 +65,7 @@ impl ReceiverView {
     /// Reads the receiver with an id. An unknown id is an error that names similar ids.
     pub fn load(site: &OpenSite, id: &str) -> Result<Self> {
         let (tile, row, table) = find(site, id)?;
-        ReceiverView::of(site, tile, row, table)
+        ReceiverView::new(site, tile, row, table)
     }
 
     /// Reads the receiver in a row of a tile without reading other tiles. A row that does not exist
@@ -76,21 +76,21 @@ impl ReceiverView {
             let what = format!("tile {tile} has {} receivers, there is no row {row}", table.rows());
             return Err(Error::input(site.path(), None, what, "name a row of the tile, the first is 0"));
         }
-        ReceiverView::of(site, tile, row, table)
+        ReceiverView::new(site, tile, row, table)
     }
 
-    fn of(site: &OpenSite, tile: u32, row: usize, table: ReceiversTable) -> Result<Self> {
+    fn new(site: &OpenSite, tile: u32, row: usize, table: ReceiversTable) -> Result<Self> {
         let cut_off = |field| {
             Error::defect(site.path(), block_name(RECEIVERS, TileNumber(tile)), field, format!("has no row {row}"))
         };
         let (receiver, views) = (table.receivers().into_iter().nth(row), table.views().nth(row));
         site.expect(&[TileView::KINDS.as_slice(), &[SKY, RESPONSE]].concat(), [tile]);
-        let mut view = TileView::of(site, tile, table)?;
+        let mut view = TileView::new(site, tile, table)?;
         let per_receiver = site.settings().hit * site.settings().hit;
         let texels = view.hits.texels.iter().skip(row * per_receiver).take(per_receiver).copied().collect();
         let (viewer, palette) = (view.viewers.get(row).copied(), std::mem::take(&mut view.hits.palette));
         let paths = view.mirrors.get(row).map(|mirrors| mirrors.paths.clone());
-        let mirrors = MirrorTable::of(site);
+        let mirrors = MirrorTable::new(site);
         let has_mirrors = !mirrors.orientations.is_empty();
         let reads = Reads { sky: true, mirrors: Some(&mirrors).filter(|_| has_mirrors) };
         let (_, layers) = TileLayers::of_view(site, view, reads, Vec::new())?;
@@ -185,7 +185,7 @@ impl ReceiverView {
 
 /// Returns tile and row of a receiver, and the table of that tile.
 fn find(site: &OpenSite, id: &str) -> Result<(u32, usize, ReceiversTable)> {
-    for tile in NameIndex::of(site)?.tiles(NameOf::Receiver, id)? {
+    for tile in NameIndex::new(site)?.tiles(NameOf::Receiver, id)? {
         let table = site.tile_receivers(tile)?;
         if let Some(row) = table.ids.iter().position(|held| held == id) {
             return Ok((tile, row, table));

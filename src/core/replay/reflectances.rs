@@ -201,7 +201,7 @@ impl Changes {
 impl<'a> Changeable<'a> {
     /// Takes the materials and the monthly ground of an archive. Without diffuse reflections no
     /// light depends on the ground, so its months are left out.
-    pub fn of(site: &'a OpenSite, manifest: &'a Manifest) -> Self {
+    pub fn new(site: &'a OpenSite, manifest: &'a Manifest) -> Self {
         let ground = manifest.ground.as_ref().filter(|_| site.settings().diffuse);
         Changeable { site: site.path(), materials: site.materials(), ground }
     }

@@ -93,7 +93,7 @@ impl Default for ReplaySettings<'_> {
 ///
 /// # fn main() -> heliotile_core::error::Result<()> {
 /// let archive = Archive::open(Path::new("site.helio"))?;
-/// let site = OpenSite::of(&archive)?;
+/// let site = OpenSite::open(&archive)?;
 /// let place = archive.manifest().place.expect("a place");
 /// let (conditions, _) = clear_year(&place);
 /// let replay = Replay::new(&site, &conditions, ReplaySettings::default())?;
@@ -186,7 +186,7 @@ impl<'r, 'a> ReplayBuilder<'r, 'a> {
         let settings = ReplaySettings { memory, ..self.settings };
         let bins = self.bins.map_or_else(|| Cow::Owned(Bins::each(conditions.len())), Cow::Borrowed);
         let mut replay = ReplayBuilder { settings, ..self }.build_one()?;
-        let settings = ReplaySettings { components: ComponentSet::of(&[Component::Total]), ..settings };
+        let settings = ReplaySettings { components: ComponentSet::new(&[Component::Total]), ..settings };
         for pass in bands {
             let (conditions, bins, schedules) =
                 (pass.conditions(conditions), pass.bins(&bins, are_sums), pass.repeated());
@@ -234,7 +234,7 @@ impl<'r, 'a> ReplayBuilder<'r, 'a> {
             let forcing = behind(forced(&[])?, vec![(leaves.clone(), bins.clone())]);
             return Replay::with(site, forcing, settings.memory, None);
         }
-        let tables = Tables::of(site)?;
+        let tables = Tables::new(site)?;
         let tables = if matt { tables.without_mirrors() } else { tables };
         let stored = tables.mirrors.reflectors.iter().map(Reflector::variable).collect();
         let lets_through: Vec<bool> = tables.mirrors.reflectors.iter().map(|r| r.transmittance.is_some()).collect();
@@ -273,7 +273,7 @@ impl<'a> Replay<'a> {
         responder: Option<(Tables<'a>, ResponseSolver)>,
     ) -> Result<Self> {
         let reflects = forcing.reads_mirrors() && !site.orientations().is_empty();
-        let mirrors = reflects.then(|| MirrorTable::of(site));
+        let mirrors = reflects.then(|| MirrorTable::new(site));
         Ok(Replay { site: site.clone(), forcing, memory, mirrors, responder, bands: Vec::new() })
     }
 

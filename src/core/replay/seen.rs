@@ -40,8 +40,8 @@ pub struct SkyDisc<'v> {
 
 impl<'v> SkyDisc<'v> {
     /// Returns the disc of a receiver.
-    pub fn of(view: &'v ReceiverView) -> Self {
-        SkyDisc { view, frame: Frame::of(view.receiver.normal), veil: view.veil() }
+    pub fn new(view: &'v ReceiverView) -> Self {
+        SkyDisc { view, frame: Frame::new(view.receiver.normal), veil: view.veil() }
     }
 
     /// Returns the place of a direction above the horizon: x to the right, y up.

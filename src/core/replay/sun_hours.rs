@@ -39,7 +39,7 @@ pub struct SunHours {
 impl SunHours {
     /// Computes the hours of the rows of a weather file. `north` is the direction of true north in
     /// the receiver's axes.
-    pub fn of(view: &ReceiverView, rows: &[RowSuns], north: North) -> Self {
+    pub fn new(view: &ReceiverView, rows: &[RowSuns], north: North) -> Self {
         let (normal, sides, count) = (view.receiver.normal, view.sides, rows.len());
         let (mut up_h, mut behind_h, mut seen_h) = (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
         let mut samples = Vec::new();

@@ -23,17 +23,17 @@ pub struct SunSample {
 impl SunSample {
     /// Returns the suns of all conditions with DNI, in the order of the conditions.
     pub fn of_suns(conditions: &[Condition], bins: &Bins) -> Vec<SunSample> {
-        SunSample::of(conditions, bins, |c| c.dni_w_m2 * c.scale.sun)
+        SunSample::new(conditions, bins, |c| c.dni_w_m2 * c.scale.sun)
     }
 
     /// Returns the circumsolar light of a model's skies as suns at the positions of the sun, in the
     /// order of the conditions. Most models have none.
     pub fn of_circumsolar(conditions: &[Condition], bins: &Bins, model: SkyModel) -> Vec<SunSample> {
         let conditions = if model.brightens() { conditions } else { &[] };
-        SunSample::of(conditions, bins, |c| model.parts(c).circumsolar_w_m2 * c.scale.sky)
+        SunSample::new(conditions, bins, |c| model.parts(c).circumsolar_w_m2 * c.scale.sky)
     }
 
-    fn of(conditions: &[Condition], bins: &Bins, normal_w_m2: impl Fn(&Condition) -> f64 + Sync) -> Vec<SunSample> {
+    fn new(conditions: &[Condition], bins: &Bins, normal_w_m2: impl Fn(&Condition) -> f64 + Sync) -> Vec<SunSample> {
         let strong = conditions.par_iter().map(|c| (c, normal_w_m2(c))).zip(&bins.of_condition);
         let lit = strong.filter(|((_, normal_w_m2), (_, weight))| *normal_w_m2 > 0.0 && *weight != 0.0);
         let suns = lit.flat_map_iter(|((c, normal_w_m2), &(bin, weight))| {

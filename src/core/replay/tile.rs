@@ -76,7 +76,7 @@ struct Reflected {
 impl Reflected {
     /// Adds the sums if results are few. `all` are the skies if the state has none of its own.
     fn summed(self, bins: usize, all: &Skies, projection: &Projection) -> Self {
-        let field = || SkyField::of(self.skies.as_ref().unwrap_or(all), projection);
+        let field = || SkyField::new(self.skies.as_ref().unwrap_or(all), projection);
         let sums = field().filter(|_| bins <= FEW).map(|field| {
             [(&self.sources, None), (&self.circumsolar, Some(&field))]
                 .map(|(suns, skies)| ResponseSums::new(suns, skies, projection))
@@ -128,7 +128,7 @@ impl Forcing {
             bins: bins.count,
             sides,
             suns: SunLookups::new(SunSample::of_suns(suns, bins), bins.count, sides),
-            sky_field: SkyField::of(&all, &sky_projection),
+            sky_field: SkyField::new(&all, &sky_projection),
             skies: all,
             circumsolar: SunLookups::new(SunSample::of_circumsolar(glows, bins, model), bins.count, sides),
             reflected,

@@ -73,7 +73,7 @@ impl TileLayers {
         let rows = receivers.rows();
         let mirrors = if reads.mirrors.is_some() { site.tile_mirrors(tile, rows)? } else { Vec::new() };
         let canopies = if reads.sky { site.tile_canopies(tile, rows)? } else { Vec::new() };
-        TileLayers::of(site, tile, reads, receivers, mirrors, canopies, responses)
+        TileLayers::new(site, tile, reads, receivers, mirrors, canopies, responses)
     }
 
     /// Reads the layers of a tile whose responses were derived. Blocks that the derivation read are
@@ -86,10 +86,10 @@ impl TileLayers {
     ) -> Result<(Vec<String>, TileLayers)> {
         let mirrors = if reads.mirrors.is_some() { view.mirrors } else { Vec::new() };
         let canopies = if reads.sky { view.canopies } else { Vec::new() };
-        TileLayers::of(site, view.number, reads, view.receivers, mirrors, canopies, responses)
+        TileLayers::new(site, view.number, reads, view.receivers, mirrors, canopies, responses)
     }
 
-    fn of(
+    fn new(
         site: &OpenSite,
         tile: u32,
         reads: Reads,

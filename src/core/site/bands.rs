@@ -124,7 +124,7 @@ pub struct BandValues([Option<f64>; 4]);
 
 impl BandValues {
     /// Returns values that state one band.
-    pub fn of(band: Band, value: f64) -> Self {
+    pub fn new(band: Band, value: f64) -> Self {
         BandValues::default().with(band, value)
     }
 
@@ -260,14 +260,14 @@ mod tests {
     /// of 0.9 makes the near infrared negative.
     #[test]
     fn unstated_bands_follow_from_stated_ones() {
-        let leaf = BandValues::of(Band::Visible, 0.08);
+        let leaf = BandValues::new(Band::Visible, 0.08);
         let [uv, visible, par, nir] = Band::ALL.map(|band| leaf.value(band, 0.25));
         assert_eq!((uv, visible, par), (0.08, 0.08, 0.08));
         let whole = Band::Uv.shares().sun * uv + Band::Visible.shares().sun * visible + Band::Nir.shares().sun * nir;
         assert!((nir - 0.4514).abs() < 1e-4 && (whole - 0.25).abs() < 1e-12, "{nir} {whole}");
         assert_eq!(Band::ALL.map(|band| BandValues::default().value(band, 0.25)), [0.25; 4]);
-        let two = BandValues::of(Band::Par, 0.07).with(Band::Nir, 0.45);
+        let two = BandValues::new(Band::Par, 0.07).with(Band::Nir, 0.45);
         assert_eq!(Band::ALL.map(|band| two.value(band, 0.25)), [0.07, 0.07, 0.07, 0.45]);
-        assert!(BandValues::of(Band::Visible, 0.9).value(Band::Nir, 0.25) < 0.0);
+        assert!(BandValues::new(Band::Visible, 0.9).value(Band::Nir, 0.25) < 0.0);
     }
 }

@@ -206,7 +206,7 @@ impl CellKey {
     pub fn side_of(self, outward: DVec3) -> Option<DVec3> {
         let back = self.is_back();
         let outward = if self.is_leaf() { upper(outward) } else { outward };
-        let belongs = self.holds(FaceTag::of(outward, self.material));
+        let belongs = self.holds(FaceTag::new(outward, self.material));
         belongs.then_some(if back { -outward } else { outward })
     }
 
@@ -274,7 +274,7 @@ pub struct FaceTag {
 
 impl FaceTag {
     /// Returns the tag of a triangle with this unit normal.
-    pub fn of(outward: DVec3, material: u16) -> Self {
+    pub fn new(outward: DVec3, material: u16) -> Self {
         FaceTag { material, bins: [facing_bin(outward), facing_bin(-outward)] }
     }
 }

@@ -56,7 +56,7 @@ impl Default for Grid {
 impl Grid {
     /// Returns the frame of a scene around `middle`; `extent_m` is the longest side of its bounding
     /// box.
-    pub fn of(middle: DVec3, extent_m: f64) -> Self {
+    pub fn new(middle: DVec3, extent_m: f64) -> Self {
         // An exponent without mantissa is the largest power of two that is not above. Scenes below
         // 2^-40 m hold nothing to see.
         let whole = f64::from_bits(extent_m.max(1e-12).to_bits() >> 52 << 52);
@@ -132,15 +132,15 @@ mod tests {
     fn the_origin_and_step_fit_the_size_of_the_scene() {
         let middle = DVec3::new(78_005.125, -457_005.5, 131.0);
         for extent in [4.0, 100.0, 1e5] {
-            let grid = Grid::of(middle, extent);
+            let grid = Grid::new(middle, extent);
             assert_eq!((grid.step, grid.origin), (STEP_M, DVec3::new(78_080.0, -456_960.0, 256.0)));
         }
         for extent in [3.9, 1.0, 1e-3, 1e-6] {
-            let grid = Grid::of(middle, extent);
+            let grid = Grid::new(middle, extent);
             assert!(extent / grid.step >= 65_536.0 && extent / grid.step < 131_072.0, "{extent}");
             assert!((grid.origin - middle).abs().max_element() <= 32.0 * extent, "{extent} {grid:?}");
         }
-        assert_eq!(Grid::of(DVec3::splat(-0.1), 10.0).origin.to_array().map(f64::to_bits), [0; 3]);
+        assert_eq!(Grid::new(DVec3::splat(-0.1), 10.0).origin.to_array().map(f64::to_bits), [0; 3]);
     }
 
     /// 10,000 points within 700 m of two origins 512 m apart lie at the same place to the bit in
@@ -148,7 +148,7 @@ mod tests {
     /// too, 3 to 5 steps off the surface.
     #[test]
     fn points_lie_at_equal_places_in_two_frames() {
-        let [a, b] = [85_100.0, 85_612.0].map(|x| Grid::of(DVec3::new(x, 446_333.0, 10.0), 900.0));
+        let [a, b] = [85_100.0, 85_612.0].map(|x| Grid::new(DVec3::new(x, 446_333.0, 10.0), 900.0));
         assert_eq!(b.origin - a.origin, DVec3::new(512.0, 0.0, 0.0));
         for i in 0..10_000_u64 {
             let part = |k: u64| unit(mix(i, k)) - 0.5;

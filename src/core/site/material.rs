@@ -274,8 +274,8 @@ mod tests {
     #[test]
     fn a_band_that_reflects_too_much_is_scaled_down() {
         let mut mirror = Material { specular: 0.5, ..Material::matt("m", 0.2, Class::Obstruction) };
-        mirror.bands.diffuse = BandValues::of(Band::Visible, 0.1);
-        mirror.bands.specular = BandValues::of(Band::Visible, 0.3);
+        mirror.bands.diffuse = BandValues::new(Band::Visible, 0.1);
+        mirror.bands.specular = BandValues::new(Band::Visible, 0.3);
         assert_eq!(mirror.check(), Ok(()));
         let nir = mirror.in_band(Band::Nir);
         assert!((nir.diffuse + nir.specular - 1.0).abs() < 1e-12 && nir.check() == Ok(()), "{nir:?}");
@@ -292,7 +292,7 @@ mod tests {
         let pane = Material { glass: Some(Glass::Single), ..matt.clone() };
         let of = |property: BandProperty, value, of: &Material| {
             let mut material = of.clone();
-            *material.bands.of_mut(property) = BandValues::of(Band::Visible, value);
+            *material.bands.of_mut(property) = BandValues::new(Band::Visible, value);
             material.check()
         };
         for (refused, words) in [

@@ -15,7 +15,7 @@ pub struct North {
 
 impl North {
     /// Returns the north of a place; y is north without one.
-    pub fn of(place: Option<&Place>) -> North {
+    pub fn new(place: Option<&Place>) -> North {
         North { y_deg: place.map_or(0.0, |place| place.convergence_deg) }
     }
 
@@ -62,7 +62,7 @@ mod tests {
     use crate::units::direction_from_degrees;
 
     fn north(convergence_deg: f64) -> North {
-        North::of(Some(&Place { latitude_deg: 50.0, longitude_deg: 9.0, convergence_deg, epsg: None }))
+        North::new(Some(&Place { latitude_deg: 50.0, longitude_deg: 9.0, convergence_deg, epsg: None }))
     }
 
     /// With y 30 degrees clockwise of north (a building's north axis of 30), the sun in the south
@@ -77,6 +77,6 @@ mod tests {
         assert!((north(30.0).azimuth_deg(DVec3::X) - 120.0).abs() < 1e-12);
         assert!((north(-2.0).azimuth_deg(DVec3::Y) - 358.0).abs() < 1e-12);
         assert_eq!(north(0.0).to_axes(sun), sun);
-        assert_eq!(North::of(None).azimuth_deg(DVec3::NEG_X), 270.0);
+        assert_eq!(North::new(None).azimuth_deg(DVec3::NEG_X), 270.0);
     }
 }

@@ -65,7 +65,7 @@ impl Patch {
     /// drawn for a receiver whose patch is unknown.
     pub fn square(normal: DVec3, area_m2: f64) -> Self {
         let half = area_m2.max(0.0).sqrt() / 2.0;
-        let Frame { u, v, .. } = Frame::of(normal);
+        let Frame { u, v, .. } = Frame::new(normal);
         let corner = |x: f64, y: f64| (u * x + v * y) * half;
         let corners = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
         let [a, b, c, d] = corners;

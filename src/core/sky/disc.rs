@@ -35,7 +35,7 @@ struct DiscPoints {
 /// Iterates over directions of points of equal solid angle on the disc around a sun, if they are
 /// above the horizon.
 pub fn disc_directions(sun: DVec3) -> impl Iterator<Item = DVec3> {
-    let frame = Frame::of(sun);
+    let frame = Frame::new(sun);
     let DiscPoints { u, v, n } = &*POINTS;
     let points = u.iter().zip(v).zip(n).map(|((u, v), n)| DVec3::new(f64::from(*u), f64::from(*v), f64::from(*n)));
     points.map(move |point| frame.to_world(point)).filter(|direction| direction.z > 0.0)
@@ -48,7 +48,7 @@ pub fn disc_texels(direction: DVec3, side: usize) -> Vec<(u32, u32, f32)> {
     if direction.z <= 0.0 {
         return Vec::new();
     }
-    let frame = Frame::of(direction);
+    let frame = Frame::new(direction);
     let mut texels = [None; DISC_POINTS];
     Arch::new().dispatch(|| place(&POINTS, &frame, side, &mut texels));
     let seen = || texels.iter().flatten();
@@ -139,7 +139,7 @@ mod tests {
         for i in 0..3000_u32 {
             let altitude = if i % 10 == 0 { 90.0 - f64::from(i) * 1e-4 } else { 0.1 + f64::from(i) * 0.029 };
             let sun = direction_from_degrees(f64::from(i % 16) * 22.5 + f64::from(i % 3) * 7.0, altitude);
-            let frame = Frame::of(sun);
+            let frame = Frame::new(sun);
             let mut texels = [None; DISC_POINTS];
             place(&POINTS, &frame, 1024, &mut texels);
             for (i, texel) in texels.into_iter().enumerate() {

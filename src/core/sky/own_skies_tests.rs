@@ -69,7 +69,7 @@ fn axes_turn_skies_with_suns() {
     let own = OwnSky::new(series(2, |i| f32::from(u8::from(i == bright))), SkyScale::Given);
     let clouds = CloudLayer::of_patches(series(2, |_| 0.25));
     let place = Place { latitude_deg: 50.0, longitude_deg: 9.0, convergence_deg: 30.0, epsg: None };
-    let condition = clouds.over(own.over(noon(100.0, 10.0), 0), 0).in_axes(North::of(Some(&place)));
+    let condition = clouds.over(own.over(noon(100.0, 10.0), 0), 0).in_axes(North::new(Some(&place)));
     assert_eq!(condition.suns[0].lit(), 0.25);
     let patches = Patches::new(577).expect("known");
     let open_sr = Projection::new(&patches, 64, 8).open_horizontal_sr;

@@ -26,7 +26,7 @@ pub struct SkyField {
 
 impl SkyField {
     /// Returns the radiances of the texels, or `None` for more than [`FEW`] results.
-    pub fn of(skies: &Skies, projection: &Projection) -> Option<Self> {
+    pub fn new(skies: &Skies, projection: &Projection) -> Option<Self> {
         let bins = skies.bins().to_vec();
         if bins.len() > FEW {
             return None;

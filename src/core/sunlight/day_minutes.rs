@@ -19,9 +19,9 @@ pub struct DayMinutes {
 
 impl DayMinutes {
     /// Returns the day over a site at its location and clock.
-    pub fn of(site: &OpenSite, location: &Location, date: Date) -> Self {
-        let day = SunDay::of(location, date, site.north());
-        DayMinutes { passes: day.passes(site.settings().sides()), day, mirrors: MirrorTable::of(site) }
+    pub fn new(site: &OpenSite, location: &Location, date: Date) -> Self {
+        let day = SunDay::new(location, date, site.north());
+        DayMinutes { passes: day.passes(site.settings().sides()), day, mirrors: MirrorTable::new(site) }
     }
 
     /// Returns the minutes in which each receiver of a tile sees the sun.

@@ -161,7 +161,7 @@ pub struct Strongest {
 
 impl Strongest {
     /// Returns the strongest reflected sun during some spells, or `None` without spells.
-    pub fn of(mirror: &MirrorSpells, day: &SunDay, spells: &Spells) -> Option<Self> {
+    pub fn new(mirror: &MirrorSpells, day: &SunDay, spells: &Spells) -> Option<Self> {
         let moments = spells.iter().flat_map(|spell| {
             let steps = (spell.minutes() / LOOK_MIN).ceil().max(1.0) as usize;
             (0..=steps).map(move |step| spell.start_min + spell.minutes() * step as f64 / steps as f64)

@@ -83,7 +83,7 @@ struct FineWay<'p> {
 
 impl SunDay {
     /// Returns the sun over a site, in axes with this true north.
-    pub fn of(site: &Location, date: Date, north: North) -> Self {
+    pub fn new(site: &Location, date: Date, north: North) -> Self {
         let count = (DAY_MIN / KNOT_MIN) as usize + 3;
         let at = |knot: usize| north.to_axes(site.sun(date, (knot as f64 - 1.0) * KNOT_MIN));
         let mut day = SunDay { date, knots: (0..count).map(at).collect(), up: Spells::default() };
@@ -280,7 +280,7 @@ mod tests {
     fn day(latitude_deg: f64, month: u32) -> (Location, SunDay) {
         let site = Location::new(latitude_deg, 5.0, 1.0, 0.0).expect("a site");
         let date = Date::new(2017, month, 21).expect("a date");
-        (site, SunDay::of(&site, date, North::default()))
+        (site, SunDay::new(&site, date, North::default()))
     }
 
     /// Interpolated suns lie within 1e-7 rad of computed ones: 51 moments of each of 6 days, from

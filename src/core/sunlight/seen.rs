@@ -373,7 +373,7 @@ mod tests {
             let sides = TextureSides { sky_base: base, sky_fine: fine, response: 1 };
             let texture = sky(DVec3::Z, base, fine, skyline);
             for month in [3, 6, 12] {
-                let day = SunDay::of(&site, Date::new(2017, month, 21).expect("a date"), North::default());
+                let day = SunDay::new(&site, Date::new(2017, month, 21).expect("a date"), North::default());
                 let passes = day.passes(sides);
                 let (block, mut plain) = (fine / base, SunSeen::default());
                 for way in &passes.bases {
@@ -433,7 +433,7 @@ mod tests {
         for latitude_deg in [0.0, 31.0, 52.0, 64.0, -34.0] {
             let site = Location::new(latitude_deg, 5.0, 0.0, 0.0).expect("a site");
             for (month, day) in [(3, 21), (6, 21), (11, 5), (12, 21)] {
-                let day = SunDay::of(&site, Date::new(2017, month, day).expect("a date"), North::default());
+                let day = SunDay::new(&site, Date::new(2017, month, day).expect("a date"), North::default());
                 let passes = day.passes(sides);
                 for planes in &cases {
                     // Turned to the sun's side.

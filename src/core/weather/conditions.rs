@@ -343,8 +343,8 @@ mod tests {
         {
             let sun = site.sun(date, minutes);
             let condition = [Condition::new("c".into(), &[sun], sun, 800.0, 100.0)];
-            assert_eq!(*in_axes(&condition, North::of(None)), condition);
-            let turned = in_axes(&condition, North::of(Some(&place)));
+            assert_eq!(*in_axes(&condition, North::new(None)), condition);
+            let turned = in_axes(&condition, North::new(Some(&place)));
             let expected = direction_from_degrees(azimuth_deg + 2.26587, altitude_deg);
             for found in [turned[0].suns[0].sun, turned[0].sky_sun] {
                 let off_deg = found.angle_between(expected).to_degrees();

@@ -128,7 +128,7 @@ impl Span {
     /// if no row does, or if the span names a year and the file's months come from different ones.
     pub fn rows_of(&self, rows: &[Interval], file: &Path) -> Result<Vec<bool>> {
         let has_year = [self.from, self.to].into_iter().flatten().any(|moment| moment.year.is_some());
-        if has_year && Years::of(rows.iter().map(|row| row.date)) == Years::Typical {
+        if has_year && Years::new(rows.iter().map(|row| row.date)) == Years::Typical {
             let what = format!("its months come from different years, so the part {self} would hold only some of them");
             let hint = "give month and day alone, such as 03-01, or put them into one year with {year}";
             return Err(Error::input(file, None, what, hint));

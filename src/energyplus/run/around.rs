@@ -59,7 +59,7 @@ impl Around {
             None => refuse_far(task, &scene).map(|()| Spot::default())?,
         };
         how_it_stands(spot.origin, &soup, &scene.materials).iter().for_each(|text| task.warn(text));
-        let neighbours = Neighbours::of(&soup, &scene.materials, spot);
+        let neighbours = Neighbours::new(&soup, &scene.materials, spot);
         let mut site = SceneFiles { parts: Vec::new(), ..others };
         // Surroundings in a coordinate reference system know true north better than the model does.
         let knows = scene.place.is_some_and(|place| place.epsg.is_some());

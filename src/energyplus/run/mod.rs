@@ -235,7 +235,7 @@ fn read_model(task: &Task) -> Result<(Document, NamedFiles)> {
 
 impl Default for EnergyplusRequest {
     fn default() -> Self {
-        EnergyplusRequest::of("", "")
+        EnergyplusRequest::new("", "")
     }
 }
 
@@ -249,7 +249,7 @@ impl EnergyplusRequest {
     }
 
     /// Returns a request for a model by itself, with all reflections.
-    pub fn of(model: impl Into<PathBuf>, folder: impl Into<PathBuf>) -> Self {
+    pub fn new(model: impl Into<PathBuf>, folder: impl Into<PathBuf>) -> Self {
         EnergyplusRequest {
             model: model.into(),
             scene: Vec::new(),
@@ -301,7 +301,7 @@ fn run(task: &Task) -> Result<()> {
     let engine = task.request.run.then(|| Engine::find(task.request.energyplus.as_deref())).transpose()?;
     let steps = stripped::steps(task, &document)?;
     let Around { site, neighbours, materials, types } = Around::read(task)?;
-    let files = Files::of(task, &document);
+    let files = Files::new(task, &document);
     files.guard(task, &site)?;
     let (scene, covered) =
         cover_site(&site, &cover_of(task, types), task.resources.observer).map_err(|error| no_surface(task, error))?;
@@ -407,7 +407,7 @@ struct Files {
 }
 
 impl Files {
-    fn of(task: &Task, document: &Document) -> Files {
+    fn new(task: &Task, document: &Document) -> Files {
         let name = |name: &str| task.request.folder.join(name);
         Files {
             receivers: name("receivers.csv"),

@@ -80,7 +80,7 @@ pub fn steps(task: &Task, document: &Document) -> Result<Option<Steps>> {
     refuse_taken(document)?;
     let weather = read_weather(weather_file)?;
     weather.report.warnings.iter().for_each(|text| task.warn(text));
-    Steps::of(&weather, weather_file, steps_an_hour(document)).map(Some)
+    Steps::new(&weather, weather_file, steps_an_hour(document)).map(Some)
 }
 
 /// Writes the folder: the model, its series and the report.

@@ -58,7 +58,7 @@ pub fn surface_series(archive: &Archive, asked: &SeriesRequest) -> Result<BTreeM
     let stream = TileStream { receivers: &receivers, light: &light, series: &series, resources: asked.resources };
     let mut found: BTreeMap<String, SurfaceSeries> = BTreeMap::new();
     let mut rows = receivers.rows::<()>();
-    stream.each(ComponentSet::of(&components), |tile| {
+    stream.each(ComponentSet::new(&components), |tile| {
         for (row, receiver) in rows.by_ref().take(tile.ids.len()).enumerate() {
             let receiver = receiver?;
             let (views, receiver) = (receiver.views, receiver.receiver);

@@ -33,7 +33,7 @@ pub struct Steps {
 impl Steps {
     /// Computes the steps of a whole year of hourly weather. An error: the file holds no whole
     /// year.
-    pub fn of(weather: &Weather, file: &Path, an_hour: usize) -> Result<Steps> {
+    pub fn new(weather: &Weather, file: &Path, an_hour: usize) -> Result<Steps> {
         let rows = &weather.rows;
         let at = |row: Option<&WeatherRow>| row.map(|r| (r.interval.date.month, r.interval.date.day));
         let is_year = HOURS.contains(&rows.len())
@@ -93,7 +93,7 @@ mod tests {
         for (an_hour, step, dni, dhi, altitude) in
             [(4, hour * 4 + 2, 154.5, 49.25, 11.7618), (1, hour, 51.0, 37.0, 9.0746)]
         {
-            let steps = Steps::of(&weather, &path, an_hour).expect("a year");
+            let steps = Steps::new(&weather, &path, an_hour).expect("a year");
             assert_eq!(steps.count, 8760 * an_hour);
             let at = steps.lit.binary_search(&step).expect("a step by day");
             let condition = &steps.conditions[at];
@@ -101,6 +101,6 @@ mod tests {
             assert!((condition.sky_sun.z.asin().to_degrees() - altitude).abs() < 0.15, "{:?}", condition.sky_sun);
         }
         let days = read_weather(&file("golden_3_days.epw")).expect("a weather file");
-        assert!(Steps::of(&days, &path, 4).is_err());
+        assert!(Steps::new(&days, &path, 4).is_err());
     }
 }

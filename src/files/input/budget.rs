@@ -22,13 +22,13 @@ pub struct WorkBudget {
 
 impl WorkBudget {
     /// Returns the budget of a file of `length` bytes, with the files that it names.
-    pub fn of(length: u64) -> Self {
+    pub fn new(length: u64) -> Self {
         WorkBudget { most: length.saturating_mul(TIMES).clamp(FREE, MAX), spent: 0 }
     }
 
     /// Returns the budget of the file at `path`.
     pub fn of_file(path: &Path) -> Self {
-        WorkBudget::of(std::fs::metadata(path).map_or(0, |found| found.len()))
+        WorkBudget::new(std::fs::metadata(path).map_or(0, |found| found.len()))
     }
 
     /// Spends `count` times `each` bytes; `things` names in the error what expands.
@@ -55,13 +55,13 @@ mod tests {
     #[test]
     fn small_files_expand_to_a_fixed_size() {
         for (length, most) in [(1000, FREE), (10_000_000, 2_000_000_000), (1_000_000_000_000, MAX)] {
-            let mut budget = WorkBudget::of(length);
+            let mut budget = WorkBudget::new(length);
             budget.spend(most / 4, 3, "templates", Path::new("a.json")).expect("three quarters");
             budget.spend(1, most - most / 4 * 3, "templates", Path::new("a.json")).expect("all of it");
             let message = budget.spend(1, 1, "templates", Path::new("a.json")).expect_err("more").to_string();
             let said = format!("a.json: its templates expand to more than {} MiB", most >> 20);
             assert!(message.starts_with(&said), "{message}");
         }
-        assert!(WorkBudget::of(1).spend(u64::MAX, u64::MAX, "templates", Path::new("a.json")).is_err());
+        assert!(WorkBudget::new(1).spend(u64::MAX, u64::MAX, "templates", Path::new("a.json")).is_err());
     }
 }

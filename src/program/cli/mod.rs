@@ -113,6 +113,6 @@ pub fn named(program: &Command) -> Vec<(String, &Command)> {
         let inside = command.get_subcommands();
         all.extend(inside.map(|inside| (format!("{} {}", command.get_name(), inside.get_name()), inside)));
     }
-    all.retain(|(name, _)| cases::Command::of(name).is_some());
+    all.retain(|(name, _)| cases::Command::by_name(name).is_some());
     all
 }

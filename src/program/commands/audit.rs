@@ -8,7 +8,7 @@ use heliotile::{Provenance, Resources, Result, Verdict};
 /// `heliotile archive audit`: an error larger than the stated one is a finding (exit 1).
 pub fn run(args: &Audit, about: Provenance) -> Result<Outcome> {
     let terminal = Terminal::default();
-    let resources = Resources::of(args.memory, &terminal);
+    let resources = Resources::new(args.memory, &terminal);
     let report = args.request.run(&resources)?;
     say(&report.text())?;
     if let Some(folder) = &args.output {

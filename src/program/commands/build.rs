@@ -15,7 +15,7 @@ pub fn run(args: &Build, _: Provenance) -> Result<Outcome> {
     if args.dry_run {
         let (receivers, scene) = (args.receivers()?, load_scene(&args.scene)?);
         let terminal = Terminal::default();
-        let resources = Resources::of(args.memory, &terminal);
+        let resources = Resources::new(args.memory, &terminal);
         say(&args.forecast(&scene, ReceiverCsv::File(receivers), &resources)?.text)?;
         return Ok(Outcome::Fine);
     }
@@ -24,7 +24,7 @@ pub fn run(args: &Build, _: Provenance) -> Result<Outcome> {
         &load_scene(&args.scene)?,
         ReceiverCsv::File(receivers),
         output,
-        &Resources::of(args.memory, &terminal),
+        &Resources::new(args.memory, &terminal),
     )?;
     Ok(Outcome::Fine)
 }

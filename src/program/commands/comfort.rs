@@ -10,7 +10,7 @@ use heliotile::{Provenance, Resources, Result, Site, SiteOptions};
 /// `heliotile comfort`.
 pub fn run(args: &Comfort, about: Provenance) -> Result<Outcome> {
     let terminal = Terminal::watching_beside_table();
-    let resources = Resources::of(args.memory, &terminal);
+    let resources = Resources::new(args.memory, &terminal);
     let (request, files) = (args.request(), &args.files);
     let place = args.archive(Some(&request), &resources)?;
     let site = Site::open_with(place, SiteOptions { memory: args.memory, about, ..SiteOptions::default() })?;

@@ -8,7 +8,7 @@ use heliotile::{Provenance, Resources, Result};
 /// `heliotile energyplus`.
 pub fn run(args: &Energyplus, _: Provenance) -> Result<Outcome> {
     let terminal = Terminal::watching();
-    let resources = Resources::of(args.memory, &terminal);
+    let resources = Resources::new(args.memory, &terminal);
     args.request.write(&resources)?;
     Ok(Outcome::Fine)
 }

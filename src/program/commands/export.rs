@@ -9,7 +9,7 @@ use heliotile::{Provenance, Resources, Result};
 /// `heliotile export`.
 pub fn run(args: &Export, about: Provenance) -> Result<Outcome> {
     let terminal = Terminal::default();
-    let resources = Resources::of(args.memory, &terminal);
+    let resources = Resources::new(args.memory, &terminal);
     match args.page() {
         Some(page) => page.write(&resources)?,
         None => args.request().write(about, &resources)?,

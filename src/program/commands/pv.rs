@@ -9,7 +9,7 @@ use heliotile::{Provenance, PvDone, Resources, Result};
 /// `heliotile pv`.
 pub fn run(args: &Pv, about: Provenance) -> Result<Outcome> {
     let terminal = Terminal::watching();
-    let resources = Resources::of(args.memory, &terminal);
+    let resources = Resources::new(args.memory, &terminal);
     let done = args.request.write(about, &resources)?;
     say(&done.table)?;
     remark(summary(args, &done))?;

@@ -81,7 +81,7 @@ pub fn factors(args: &Factors, about: Provenance) -> Result<Outcome> {
 
 /// Calls `then` with the resources of a computation on an archive.
 pub fn with_resources<T>(site: &SiteRequest, then: impl FnOnce(&Resources) -> Result<T>) -> Result<T> {
-    then(&Resources::of(site.memory, &Terminal::default()))
+    then(&Resources::new(site.memory, &Terminal::default()))
 }
 
 #[cfg(test)]
@@ -99,7 +99,7 @@ mod tests {
             let line = format!("heliotile replay a.helio -w w.epw {options}");
             let matches = command_line().try_get_matches_from(line.split_whitespace()).expect("a command line");
             let (name, inside) = matches.subcommand().expect("a command");
-            let given = given(Command::of(name).expect("a command"), inside);
+            let given = given(Command::by_name(name).expect("a command"), inside);
             prints_hours(&filled::<Replay>(&given).expect("a request"))
         };
         let found = ["", "--every month", "-o t.csv", "--plot map.png", "--honeybee out"].map(prints);

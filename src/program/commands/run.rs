@@ -11,7 +11,7 @@ use heliotile::{Provenance, Resources, Result, RunDone, TimeShift, WeatherOption
 /// `heliotile run`.
 pub fn run(args: &Run, about: Provenance) -> Result<Outcome> {
     let terminal = Terminal::watching();
-    let resources = Resources::of(args.memory, &terminal);
+    let resources = Resources::new(args.memory, &terminal);
     let done = args.request.write(about, &resources)?;
     say(&format!("\nIrradiation through {}, kWh/m2 (means by area):\n{}", args.request.weather.display(), done.table))?;
     remark(summary(args, &done))?;

@@ -8,7 +8,7 @@ use heliotile::{Provenance, Resources, Result};
 /// `heliotile tradeoff`.
 pub fn run(args: &Tradeoff, about: Provenance) -> Result<Outcome> {
     let terminal = Terminal::default();
-    let resources = Resources::of(args.memory, &terminal);
+    let resources = Resources::new(args.memory, &terminal);
     let done = args.request.write(about, &resources, say)?;
     say(&format!("{}: open it in a browser\n", done.page.display()))?;
     Ok(Outcome::Fine)

@@ -8,7 +8,7 @@ use heliotile::{Provenance, Resources, Result};
 /// `heliotile update`.
 pub fn run(args: &Update, _: Provenance) -> Result<Outcome> {
     let terminal = Terminal::watching();
-    let resources = Resources::of(args.memory, &terminal);
+    let resources = Resources::new(args.memory, &terminal);
     remark(args.request().write(&resources)?.text())?;
     Ok(Outcome::Fine)
 }

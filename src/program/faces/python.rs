@@ -159,7 +159,7 @@ pub fn options() -> String {
     text += HEAD;
     class_of(&mut text, "SceneOptions", "Scene", SceneRequest::rows(), &["scene"]);
     for class in CLASSES {
-        let rows = Command::of(class.command).map_or(Vec::new(), |command| (command.rows)());
+        let rows = Command::by_name(class.command).map_or(Vec::new(), |command| (command.rows)());
         let scene: Vec<&str> =
             if class.of_scene { SceneRequest::rows().iter().map(|row| row.name).collect() } else { Vec::new() };
         let in_memory = ["ReplayOptions", "QueryOptions"].contains(&class.name);

@@ -171,7 +171,7 @@ impl ArchiveHandle {
         asked.run::<Extract, _>(py, &["archive", "receivers"], progress.as_ref(), |args, _, resources| {
             let site = self.chosen(Some(receivers))?;
             site.extract(&args.output, !args.no_scene, resources.memory, resources.observer)?;
-            ArchiveHandle::of(&args.output)
+            ArchiveHandle::just_written(&args.output)
         })
     }
 
@@ -218,7 +218,7 @@ impl ArchiveHandle {
             })?;
         let (azimuths, altitudes) = (grid.azimuths_deg(), grid.altitudes_deg());
         let shape = [names.len(), azimuths.len(), altitudes.len()];
-        let columns = FACTORS.into_iter().zip(columns).map(|(name, values)| (name, Block::of::<f64>(values, &shape)));
+        let columns = FACTORS.into_iter().zip(columns).map(|(name, values)| (name, Block::new::<f64>(values, &shape)));
         Ok((names, azimuths, altitudes, columns.collect()))
     }
 }
@@ -233,7 +233,7 @@ impl ArchiveHandle {
     }
 
     /// Opens an archive that was just written.
-    pub fn of(path: &Path) -> Result<Self> {
+    pub fn just_written(path: &Path) -> Result<Self> {
         let options = SiteOptions { access: Some(Access::default()), ..SiteOptions::default() };
         Ok(ArchiveHandle { site: Site::open_with(path, options)? })
     }

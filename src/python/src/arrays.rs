@@ -83,7 +83,7 @@ impl<'a> Gathered<'a> {
 
 impl TileSink for Gathered<'_> {
     fn components(&self) -> ComponentSet {
-        ComponentSet::of(self.frame.components())
+        ComponentSet::new(self.frame.components())
     }
 
     /// Reserves memory for all results; fails if there is not enough.
@@ -155,13 +155,13 @@ impl Recombined {
             let what = format!("`{}` is missing, and pvlib's columns need all six components", missing.name());
             return Err(raised(py, Error::argument("columns", what, "leave columns out")));
         }
-        let hours = SideHours::of(|component| {
+        let hours = SideHours::new(|component| {
             let place = frame.components().iter().position(|known| *known == component);
             let all = place.and_then(|place| self.columns.get(place)).map(Buffer::typed_data::<f32>);
             all.and_then(|all| all.get(receiver * labels..(receiver + 1) * labels)).unwrap_or_default()
         });
         let columns = ONE_SIDE.into_iter().zip(hours.one_side());
-        Ok(columns.map(|(name, values)| (name, Block::of(values, &[labels]))).collect())
+        Ok(columns.map(|(name, values)| (name, Block::new(values, &[labels]))).collect())
     }
 
     /// Returns the Arrow C stream of all rows; values are not copied.
@@ -243,7 +243,7 @@ impl FrameHandle {
     #[getter]
     fn instants(&self) -> Option<(Block, i32)> {
         let instants = self.0.labels.instants.as_ref()?;
-        let block = Block::of(instants.utc_s.clone(), &[instants.utc_s.len()]);
+        let block = Block::new(instants.utc_s.clone(), &[instants.utc_s.len()]);
         Some((block, instants.offset.minutes()))
     }
 

@@ -52,10 +52,10 @@ impl LazyReplay {
             count += entry.items as usize;
             starts.push(count);
         }
-        let components = ComponentSet::of(frame.components());
+        let components = ComponentSet::new(frame.components());
         let held = Held::try_new(owner.clone(), |owner| {
             let archive = owner.archives().first();
-            let site = OpenSite::of(archive)?;
+            let site = OpenSite::open(archive)?;
             let site = if owner.has_grid_north() { site.with_y_for_north() } else { site };
             stream.replay_of(archive, &site, components)
         })?;
@@ -151,6 +151,6 @@ impl LazyReplay {
             }
             Ok(values)
         })?;
-        Ok(Block::of(values, &[receivers.len(), labels]))
+        Ok(Block::new(values, &[receivers.len(), labels]))
     }
 }

@@ -35,7 +35,7 @@ impl Plain for i64 {
 
 impl Block {
     /// Takes row-major numbers without copying them.
-    pub fn of<T: Plain>(values: Vec<T>, shape: &[usize]) -> Self {
+    pub fn new<T: Plain>(values: Vec<T>, shape: &[usize]) -> Self {
         Block::shared::<T>(Buffer::from_vec(values), shape)
     }
 

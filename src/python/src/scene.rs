@@ -62,7 +62,7 @@ impl SceneHandle {
             let (output, receivers) = args.check()?;
             let done = args.trace(&self.scene, asked.table(receivers), output, resources)?;
             let (error, report) = (done.plan.accuracy.map(|accuracy| accuracy.rmse_percent), done.report);
-            Ok((ArchiveHandle::of(output)?, report.seconds, report.rays.total(), report.bytes, error))
+            Ok((ArchiveHandle::just_written(output)?, report.seconds, report.rays.total(), report.bytes, error))
         })
     }
 }

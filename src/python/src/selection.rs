@@ -56,5 +56,5 @@ const HINT: &str = "give one of {\"objects\": names}, {\"surfaces\": names} and 
 
 /// Returns the box of `xmin, ymin, xmax, ymax[, zmin, zmax]`.
 pub fn bounds_of(numbers: Vec<f64>) -> Result<Bounds> {
-    Bounds::of(&numbers).map_err(|found| Error::argument("receivers", found, HINT))
+    Bounds::new(&numbers).map_err(|found| Error::argument("receivers", found, HINT))
 }

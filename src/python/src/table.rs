@@ -54,7 +54,7 @@ impl Column {
             Column::Texts(_, values) => values.block(),
             Column::Numbers(_, values) => {
                 let count = values.len();
-                Ok(Block::of(values, &[count]))
+                Ok(Block::new(values, &[count]))
             }
         }
     }

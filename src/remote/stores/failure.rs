@@ -55,9 +55,9 @@ impl Failure {
     }
 
     /// Returns the failure that a store's answer means.
-    pub fn of(error: &object_store::Error) -> Self {
+    pub fn from_store(error: &object_store::Error) -> Self {
         use object_store::Error as Answer;
-        let found = Found::of(error);
+        let found = Found::from_store(error);
         let code = found.code.as_ref().map_or(String::new(), |code| format!(", {code}"));
         match error {
             // A wrong clock is answered like denied access, so it is checked first.
@@ -86,7 +86,7 @@ impl Failure {
 
     /// Returns the failure of a client that cannot be built from its settings.
     pub fn of_settings(error: &object_store::Error) -> Self {
-        Failure::new(Cause::Settings, format!("its store has invalid settings: {}", Found::of(error).text))
+        Failure::new(Cause::Settings, format!("its store has invalid settings: {}", Found::from_store(error).text))
     }
 
     /// Returns true if the only problem is that no object has this name.
@@ -159,7 +159,7 @@ struct Found {
 }
 
 impl Found {
-    fn of(error: &object_store::Error) -> Self {
+    fn from_store(error: &object_store::Error) -> Self {
         let (mut inner, mut of_credentials) = (error.source(), false);
         let mut text = String::new();
         while let Some(cause) = inner {
@@ -279,7 +279,7 @@ mod tests {
         let address =
             Address::parse(Path::new("https://me:pa55@h/a.helio?X-Amz-Signature=5ecret")).expect("an address");
         for (answer, part) in cases {
-            let text = Failure::of(&answer).at(&address).to_string();
+            let text = Failure::from_store(&answer).at(&address).to_string();
             assert!(
                 text.starts_with("https://h/a.helio: ") && text.contains(part) && text.contains("to fix: "),
                 "{text}"

@@ -32,7 +32,7 @@ pub fn names_below(address: &Address, connection: Connection) -> Result<Option<V
         Some(parts.join("/"))
     };
     let listed = place.store.list(Some(&place.path)).map_ok(|meta| name(&meta.location)).try_collect::<Vec<_>>();
-    match runtime()?.block_on(listed).map_err(|error| Failure::of(&error)) {
+    match runtime()?.block_on(listed).map_err(|error| Failure::from_store(&error)) {
         Ok(names) => {
             (0..(names.len() as u64).div_ceil(PAGE).max(1)).for_each(|_| traffic::asked());
             Ok(Some(names.into_iter().flatten().collect()))

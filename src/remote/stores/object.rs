@@ -41,7 +41,7 @@ pub struct Version {
 }
 
 impl Version {
-    fn of(meta: &ObjectMeta) -> Self {
+    fn from_meta(meta: &ObjectMeta) -> Self {
         Version { etag: meta.e_tag.clone(), modified_ms: meta.last_modified.timestamp_millis(), length: meta.size }
     }
 
@@ -73,7 +73,7 @@ impl Object {
             let options = GetOptions { range: Some(first.clone()), ..GetOptions::default() };
             result = match get(place, options).await {
                 Ok(answer) => {
-                    let (version, range) = (Version::of(&answer.meta), answer.range.clone());
+                    let (version, range) = (Version::from_meta(&answer.meta), answer.range.clone());
                     let bytes = match check_length(&range, &first) {
                         Ok(()) => body(answer, &range).await,
                         Err(failure) => Err(failure),
@@ -162,7 +162,7 @@ impl Object {
         let if_match = self.version.etag.clone().filter(|etag| !etag.starts_with("W/"));
         let options = GetOptions { range: Some(GetRange::Bounded(range.clone())), if_match, ..GetOptions::default() };
         let answer = get(&self.place, options).await?;
-        if let Some(what) = self.version.differs(&Version::of(&answer.meta)) {
+        if let Some(what) = self.version.differs(&Version::from_meta(&answer.meta)) {
             return Err(Failure::new(Cause::Changed, what));
         }
         body(answer, range).await
@@ -183,7 +183,7 @@ fn again<T>(result: &Result<T, Failure>, place: &Locator, begun: Instant) -> boo
 
 async fn get(place: &Locator, options: GetOptions) -> Result<GetResult, Failure> {
     traffic::asked();
-    place.store.get_opts(&place.path, options).await.map_err(|error| Failure::of(&error))
+    place.store.get_opts(&place.path, options).await.map_err(|error| Failure::from_store(&error))
 }
 
 /// Reads the body of an answer and checks that it is as long as the range. Reading ends where the
@@ -193,7 +193,7 @@ async fn body(answer: GetResult, range: &Range<u64>) -> Result<Bytes, Failure> {
     let mut bytes = BytesMut::new();
     let mut stream = answer.into_stream();
     while let Some(piece) = stream.next().await {
-        let piece = piece.map_err(|error| Failure::of(&error))?;
+        let piece = piece.map_err(|error| Failure::from_store(&error))?;
         traffic::received(piece.len());
         if (bytes.len() + piece.len()) as u64 > expected {
             let what = format!("its server sends more than the {expected} bytes that were requested");
@@ -228,7 +228,7 @@ pub async fn look(place: &Locator) -> Result<Option<ObjectMeta>, Failure> {
     let answered = {
         let _turn = turn().await;
         traffic::asked();
-        place.store.head(&place.path).await.map_err(|error| Failure::of(&error))
+        place.store.head(&place.path).await.map_err(|error| Failure::from_store(&error))
     };
     match answered {
         Ok(meta) => Ok(Some(meta)),

@@ -128,7 +128,7 @@ fn put(place: &Locator, bytes: Vec<u8>, mode: PutMode) -> std::result::Result<()
     traffic::asked();
     let options = PutOptions { mode, ..PutOptions::default() };
     let written = runtime.block_on(place.store.put_opts(&place.path, PutPayload::from(bytes), options));
-    written.map(drop).map_err(|error| Failure::of(&error))
+    written.map(drop).map_err(|error| Failure::from_store(&error))
 }
 
 /// Words the failure of a conditional request: another program wrote first.
@@ -216,7 +216,7 @@ fn upload(
         return Err(failed(Failure::new(Cause::Exists, "holds another archive than its name states")));
     }
     let begun = runtime.block_on(place.store.put_multipart(&place.path));
-    let upload: Box<dyn MultipartUpload> = begun.map_err(|error| failed(Failure::of(&error)))?;
+    let upload: Box<dyn MultipartUpload> = begun.map_err(|error| failed(Failure::from_store(&error)))?;
     let part = PART.max(length.div_ceil(MAX_PARTS));
     let mut writer = WriteMultipart::new_with_chunk_size(upload, usize::try_from(part).unwrap_or(usize::MAX));
     let mut at = 0;
@@ -233,7 +233,7 @@ fn upload(
         };
         if let Err(error) = runtime.block_on(writer.wait_for_capacity(UNDER_WAY)) {
             let _ = runtime.block_on(writer.abort());
-            return Err(failed(Failure::of(&error)));
+            return Err(failed(Failure::from_store(&error)));
         }
         let _entered = runtime.enter();
         traffic::asked();
@@ -241,7 +241,7 @@ fn upload(
         at += step;
         sent(step);
     }
-    runtime.block_on(writer.finish()).map_err(|error| failed(Failure::of(&error)))?;
+    runtime.block_on(writer.finish()).map_err(|error| failed(Failure::from_store(&error)))?;
     check(source, to, connection)
 }
 

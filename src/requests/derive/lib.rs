@@ -56,10 +56,10 @@ fn expand(input: &DeriveInput) -> Result<Tokens> {
     let Data::Struct(data) = &input.data else {
         return Err(Error::new_spanned(&input.ident, "a request is a struct with named fields"));
     };
-    let about = About::of(&input.attrs)?;
+    let about = About::new(&input.attrs)?;
     let (mut rows, mut groups, mut fill, mut files) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for field in &data.fields {
-        let (Some(ident), of) = (&field.ident, FieldAttribute::of(field)?) else { continue };
+        let (Some(ident), of) = (&field.ident, FieldAttribute::new(field)?) else { continue };
         if of.skip {
             continue;
         }
@@ -173,7 +173,7 @@ struct About {
 }
 
 impl About {
-    fn of(attrs: &[Attribute]) -> Result<Self> {
+    fn new(attrs: &[Attribute]) -> Result<Self> {
         let mut found = About::default();
         for attr in attrs.iter().filter(|attr| attr.path().is_ident("request")) {
             attr.parse_nested_meta(|meta| {
@@ -240,7 +240,7 @@ struct FieldAttribute {
 }
 
 impl FieldAttribute {
-    fn of(field: &Field) -> Result<Self> {
+    fn new(field: &Field) -> Result<Self> {
         let mut found = FieldAttribute::default();
         for attr in field.attrs.iter().filter(|attr| attr.path().is_ident("field")) {
             attr.parse_nested_meta(|meta| found.take(&meta))?;

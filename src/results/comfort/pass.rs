@@ -69,11 +69,11 @@ impl ComfortRequest {
             return Err(Error::argument("by", "comfort is calculated at points", hint));
         }
         let resources = &stream.resources;
-        let (set, looks_up) = PersonSet::of(stream, &self.choice, place)?;
+        let (set, looks_up) = PersonSet::new(stream, &self.choice, place)?;
         let receivers = stream.receivers.some(&looks_up);
         let columns = ComfortColumns::new(&self.choice.columns, every, &self.choice.above_c);
         let asked: Vec<ComfortColumn> = columns.asked().collect();
-        let site = OpenSite::of(archives.first())?;
+        let site = OpenSite::open(archives.first())?;
         let conditions = &stream.series.conditions;
         let model = self.model(site.materials());
         let climates = climates(self, conditions, &model, &asked, resources)?;

@@ -67,7 +67,7 @@ impl PersonSet {
     /// Returns the points of a stream's receivers, and which receivers face up. Each point must
     /// have all six planes. `choice` may state properties of surfaces; `place` is the path of the
     /// archive or of the atlas.
-    pub(super) fn of(stream: &TileStream, choice: &ComfortChoice, place: &Path) -> Result<(Self, Vec<bool>)> {
+    pub(super) fn new(stream: &TileStream, choice: &ComfortChoice, place: &Path) -> Result<(Self, Vec<bool>)> {
         let under_leaves = under_leaves(stream)?;
         let (mut views, mut looks_up, mut failed) = (Vec::new(), Vec::new(), None);
         let mut found = PlaneViews::default();
@@ -81,7 +81,7 @@ impl PersonSet {
             looks_up.push(plane == 0);
             Some(receiver)
         });
-        let points = PersonPoints::of(rows);
+        let points = PersonPoints::new(rows);
         if let Some(error) = failed {
             return Err(error);
         }
@@ -116,7 +116,7 @@ fn under_leaves(stream: &TileStream) -> Result<HashMap<String, f64>> {
     let series = Series::of_conditions(vec![uniform_sky()], Changes::default(), Provenance::default());
     let light = LightChoice { sky: SkyChoice::Model(SkyModel::Uniform), ..LightChoice::default() };
     let stream = TileStream { series: &series, light: &light, ..*stream };
-    stream.each(ComponentSet::of(&[Component::SkyDirect]), |tile| {
+    stream.each(ComponentSet::new(&[Component::SkyDirect]), |tile| {
         let share = |row: usize| open_share(tile.values.row(Component::SkyDirect, row));
         found.extend(tile.ids.iter().enumerate().map(|(row, id)| (id.clone(), share(row))));
         Ok(true)

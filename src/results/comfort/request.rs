@@ -199,8 +199,8 @@ impl From<ClassShare> for String {
 impl ComfortRequest {
     /// Returns a request with default choices for people under a weather file: a row for each of
     /// its hours.
-    pub fn of(weather: impl Into<PathBuf>) -> Self {
-        ComfortRequest { replay: ReplayRequest::of(weather), choice: ComfortChoice::default() }
+    pub fn new(weather: impl Into<PathBuf>) -> Self {
+        ComfortRequest { replay: ReplayRequest::new(weather), choice: ComfortChoice::default() }
     }
 
     /// Refuses numbers out of range and files that cannot hold such results, before an archive is
@@ -279,7 +279,7 @@ impl ComfortRequest {
 
     /// Returns the components of a replay that comfort needs.
     pub(super) fn components(&self) -> ComponentSet {
-        ComponentSet::of(&[Component::SunDirect, Component::Total])
+        ComponentSet::new(&[Component::SunDirect, Component::Total])
     }
 }
 

@@ -137,6 +137,6 @@ impl CompareRequest {
 
     /// Returns the columns that are compared.
     fn columns(&self) -> ComponentList {
-        self.under.light().columns_or(ComponentList::of(Component::Total))
+        self.under.light().columns_or(ComponentList::new(Component::Total))
     }
 }

@@ -44,14 +44,14 @@ impl CompareRequest {
         open: &dyn Fn(&Path) -> Result<Sources>,
     ) -> Result<CompareSummary> {
         let (has_details, asked) = (self.has_details(files), self.columns());
-        let columns = if has_details { asked.clone() } else { ComponentList::of(asked.main()) };
+        let columns = if has_details { asked.clone() } else { ComponentList::new(asked.main()) };
         let patches = Some(before.stream.light.patches_of(before.archives.first()));
         let light = LightChoice { patches, ..before.stream.light.only(columns.clone()) };
         let totals = before.stream.series.by(Every::Total);
         let series = if has_details { before.stream.series } else { &totals };
         let stream = TileStream { light: &light, series, ..*before.stream };
 
-        let mut places = BeforePlaces::of(stream.receivers, stream.resources.memory)?;
+        let mut places = BeforePlaces::new(stream.receivers, stream.resources.memory)?;
         let replay = VariantReplay {
             before: stream,
             components: &columns,
@@ -91,8 +91,8 @@ impl CompareRequest {
             stream.feed(&mut PassSink { pass: &mut pass, details: None })?;
         }
         drop(pass);
-        let layout = Layout::of_changes(sums_of(series), By::Receiver, &ComponentList::of(asked.main()));
-        let summary = CompareSummary::of(name_of(before.place), &series.called, &layout, asked.main(), &variants);
+        let layout = Layout::of_changes(sums_of(series), By::Receiver, &ComponentList::new(asked.main()));
+        let summary = CompareSummary::new(name_of(before.place), &series.called, &layout, asked.main(), &variants);
         if let Some(path) = &self.unmatched {
             unmatched_table(&variants).write(path, &about)?;
         }
@@ -158,7 +158,7 @@ impl Pass<'_> {
     /// mean over conditions.
     fn sums(&self, values: &TileValues) -> Vec<f64> {
         let main = self.components.main();
-        let coarse = self.coarsening.as_ref().map(|to| to.of(values, ComponentSet::of(&[main])));
+        let coarse = self.coarsening.as_ref().map(|to| to.of(values, ComponentSet::new(&[main])));
         let values = coarse.as_ref().unwrap_or(values);
         let count = values.bins().max(1) as f64;
         let sum = |row: usize| values.row(main, row).iter().map(|value| f64::from(*value)).sum::<f64>() / count;

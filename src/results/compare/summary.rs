@@ -54,7 +54,7 @@ pub struct VariantSummary {
 impl CompareSummary {
     /// Returns the summary of variants after their tallies are complete; `layout` is the layout of
     /// the main component's change.
-    pub(super) fn of(before: String, under: &str, layout: &Layout, main: Component, variants: &[Variant]) -> Self {
+    pub(super) fn new(before: String, under: &str, layout: &Layout, main: Component, variants: &[Variant]) -> Self {
         let summary = |variant: &Variant| {
             let (before, after) = (variant.only(SideName::Before), variant.only(SideName::After));
             VariantSummary {

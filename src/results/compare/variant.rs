@@ -59,7 +59,7 @@ pub struct BeforePlaces {
 
 impl BeforePlaces {
     /// Reads the places of the chosen receivers.
-    pub fn of(receivers: &ReceiverSet, memory: MemoryBudget) -> Result<Self> {
+    pub fn new(receivers: &ReceiverSet, memory: MemoryBudget) -> Result<Self> {
         check_memory(receivers.count(), memory)?;
         let places: Vec<ReceiverPlace> = receivers.receivers().map(|one| Ok((&one?).into())).collect::<Result<_>>()?;
         Ok(BeforePlaces { is_matched: vec![false; places.len()], places })
@@ -91,7 +91,7 @@ impl VariantReplay<'_> {
             places.push(ReceiverPlace::from(&receiver));
             is_asked.push(self.choice.selection.as_ref().is_none_or(|selection| is_meant(selection, &receiver)));
         }
-        let matching = ReceiverMatching::of(&before.places, &places);
+        let matching = ReceiverMatching::new(&before.places, &places);
         if matching.pairs.is_empty() {
             let what = format!("has none of the {} receivers of the archive before", before.places.len());
             let hint = "compare archives of one site: receivers are matched by place and normal, or by name";

@@ -47,7 +47,7 @@ pub enum Plot {
 impl Plot {
     /// Returns the kind of picture by the ending of a name and the period of rows; a query has no
     /// period.
-    fn of(path: &Path, every: Option<Every>) -> Result<Self> {
+    fn by_ending(path: &Path, every: Option<Every>) -> Result<Self> {
         let ending = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
         match (ending.as_deref(), every) {
             (Some("png"), _) => Ok(Plot::Map),
@@ -70,7 +70,7 @@ impl Plot {
     pub fn all<'p>(paths: &'p [PathBuf], series: &Series) -> Result<Vec<(&'p Path, Plot)>> {
         let count = series.labels.len();
         let plot = |path: &'p PathBuf| {
-            let plot = Plot::of(path, series.every)?;
+            let plot = Plot::by_ending(path, series.every)?;
             match plot {
                 Plot::Map if count != 1 && series.every != Some(Every::Month) => {
                     let hint = match series.every {
@@ -95,7 +95,7 @@ impl Plot {
 /// Refuses pictures of unknown endings, and pictures that would replace an input or each other.
 pub fn check(plots: &[PathBuf], inputs: &[&Path], every: Option<Every>) -> Result<()> {
     for (i, path) in plots.iter().enumerate() {
-        Plot::of(path, every)?;
+        Plot::by_ending(path, every)?;
         guard_output(path, inputs)?;
         // A table cannot have the same name: it has another ending.
         if plots.iter().take(i).any(|other| same_place(other, path)) {
@@ -123,7 +123,7 @@ impl<'a> AreaChart<'a> {
     /// day by month if rows are hours. In a comparison the chart shows the change of the main
     /// component.
     pub fn new(path: &'a Path, stream: &TileStream<'a>, question: Question) -> Result<Self> {
-        let plot = Plot::of(path, stream.series.every)?;
+        let plot = Plot::by_ending(path, stream.series.every)?;
         let components = stream.light.columns();
         let means = AreaMeans::new(components.as_slice(), stream.series.labels.len());
         let after = (question == Question::Change).then(|| means.clone());

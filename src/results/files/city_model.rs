@@ -139,7 +139,7 @@ impl<'a> CityModelSink<'a> {
 
 impl TileSink for CityModelSink<'_> {
     fn components(&self) -> ComponentSet {
-        ComponentSet::of(self.sums.components())
+        ComponentSet::new(self.sums.components())
     }
 
     fn take(&mut self, tile: &Tile) -> Result<bool> {

@@ -41,14 +41,14 @@ pub fn check(columns: Option<&ComponentList>, every: Option<Every>, folder: &Pat
 /// Writes the folder and returns a line that says so.
 pub fn write(stream: &TileStream, by: By, folder: &Path, about: Provenance) -> Result<String> {
     let series = stream.series;
-    let hours = LitHours::of(&series.conditions).map_err(|(what, hint)| {
+    let hours = LitHours::new(&series.conditions).map_err(|(what, hint)| {
         Error::input(&series.source, None, format!("has {what}, which Honeybee cannot read"), hint)
     })?;
-    let grids = Grids::of(stream.receivers.receivers(), by)?;
+    let grids = Grids::new(stream.receivers.receivers(), by)?;
     let components = stream.light.chosen_columns().map_or(COMPONENTS.to_vec(), |columns| columns.as_slice().to_vec());
     let mut sink = HoneybeeSink {
         receivers: stream.receivers.receivers(),
-        components: ComponentSet::of(&components),
+        components: ComponentSet::new(&components),
         start: Some(Box::new(|| ResultsFolder::create(folder, grids, hours, &components, &about))),
         folder: None,
     };

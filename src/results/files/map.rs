@@ -107,7 +107,7 @@ impl<'a> MapStart<'a> {
 pub fn crs_of(archive: &Archive) -> MapCrs {
     let manifest = archive.manifest();
     let [low, high] = manifest.scene.bounds_m.map(DVec3::from);
-    MapCrs::of(manifest.place.as_ref(), 0.5 * (low + high))
+    MapCrs::new(manifest.place.as_ref(), 0.5 * (low + high))
 }
 
 /// Returns the triangles of an archive's scene, if it holds any.

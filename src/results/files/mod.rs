@@ -68,13 +68,13 @@ pub struct FileRequest {
 
 impl Default for FileRequest {
     fn default() -> Self {
-        FileRequest::of("-")
+        FileRequest::new("-")
     }
 }
 
 impl FileRequest {
     /// Returns a request for a table or a map of receivers.
-    pub fn of(output: impl Into<PathBuf>) -> Self {
+    pub fn new(output: impl Into<PathBuf>) -> Self {
         let (output, by) = (output.into(), By::Receiver);
         FileRequest { output, by, positions: false, geo: false, plots: Vec::new(), model: None, honeybee: None }
     }
@@ -102,20 +102,20 @@ impl FileRequest {
                     hint,
                 ))
             }
-            _ => ResultFormat::of(&self.output, self.geo).map(drop),
+            _ => ResultFormat::by_ending(&self.output, self.geo).map(drop),
         }
     }
 
     /// Returns true if a table is requested. If there are pictures, the default `-` does not count
     /// as a request for standard output.
     pub fn wants_table(&self) -> Result<bool> {
-        let is_table = matches!(ResultFormat::of(&self.output, self.geo)?, ResultFormat::Table(_));
+        let is_table = matches!(ResultFormat::by_ending(&self.output, self.geo)?, ResultFormat::Table(_));
         Ok(is_table && (self.plots.is_empty() || self.output != Path::new("-")))
     }
 
     /// Returns the requested maps: the output if it is one, and the pictures in `drawn`.
     pub fn maps<'p>(&self, drawn: impl Iterator<Item = &'p Path>) -> Result<Vec<MapFile>> {
-        let output = match ResultFormat::of(&self.output, self.geo)? {
+        let output = match ResultFormat::by_ending(&self.output, self.geo)? {
             ResultFormat::Map(format) => Some(MapFile { path: self.output.clone(), format }),
             ResultFormat::Table(_) => None,
         };

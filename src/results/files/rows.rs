@@ -217,13 +217,13 @@ impl<'a> ResultSink<'a> {
 
     /// Hands the values of some places in each archive to all files.
     fn write(&mut self, names: &[String], sides: &[&TileValues], extents: &[Extent]) -> Result<()> {
-        self.files.write(names, &PlaceValues::of(sides, self.components.as_slice()), extents)
+        self.files.write(names, &PlaceValues::new(sides, self.components.as_slice()), extents)
     }
 
     /// Returns the extents of the next receivers, if the table has their positions.
     fn extents(&mut self, count: usize) -> Result<Vec<Extent>> {
         let next = self.positions.iter_mut().flat_map(|all| all.take(count));
-        next.map(|receiver| Ok(Extent::of(&receiver?, self.north))).collect()
+        next.map(|receiver| Ok(Extent::new(&receiver?, self.north))).collect()
     }
 
     /// Completes the files.

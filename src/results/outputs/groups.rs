@@ -58,7 +58,7 @@ pub struct Extent {
 
 impl Extent {
     /// Returns the extent of a receiver, with its normal by true north.
-    pub fn of(receiver: &Receiver, north: North) -> Extent {
+    pub fn new(receiver: &Receiver, north: North) -> Extent {
         let Receiver { area, normal, position, .. } = *receiver;
         Extent { area_m2: area, normal: north.to_true(normal), agreement: 1.0, position }
     }

@@ -152,7 +152,7 @@ mod tests {
     }
 
     fn periods(every: Every, stamps: &[Stamp]) -> Periods {
-        Periods::new(every, Years::of(stamps.iter().map(|stamp| stamp.date)), stamps, in_zone(1.0, StampedAt::Start))
+        Periods::new(every, Years::new(stamps.iter().map(|stamp| stamp.date)), stamps, in_zone(1.0, StampedAt::Start))
     }
 
     /// The label of the last hour of 31 December is 23:00, 23:30 or 00:00 of the new year by its

@@ -227,7 +227,7 @@ pub struct PlaceValues<'v> {
 impl<'v> PlaceValues<'v> {
     /// Returns the components of one archive, or of one and then of another. All must have as many
     /// receivers and bins as the first.
-    pub fn of(sides: &[&'v TileValues], components: &[Component]) -> Self {
+    pub fn new(sides: &[&'v TileValues], components: &[Component]) -> Self {
         let (places, bins) = sides.first().map_or((0, 0), |first| (first.receivers(), first.bins()));
         let of_side = |side: &&'v TileValues| {
             let side = *side;

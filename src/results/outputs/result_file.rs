@@ -23,7 +23,7 @@ pub enum ResultFormat {
 
 impl ResultFormat {
     /// Returns the format by the ending of a name; `geo` makes Parquet a map.
-    pub fn of(path: &Path, geo: bool) -> Result<Self> {
+    pub fn by_ending(path: &Path, geo: bool) -> Result<Self> {
         let ending = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
         let map = MapFormat::ENDINGS.iter().find(|(name, _)| ending.as_deref() == Some(name));
         match (map, Format::known(path)) {

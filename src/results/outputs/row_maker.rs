@@ -201,7 +201,7 @@ mod tests {
         ];
         let names = ["roof", "wall"].map(str::to_owned);
         let maker = RowMaker::new(layout.clone(), BinLabels::words(vec!["total".into()]), None);
-        let values = PlaceValues::of(&[&values], components.as_slice());
+        let values = PlaceValues::new(&[&values], components.as_slice());
         let rows = maker.batch(&names, &values, &extents, None);
         let second: Vec<f32> = rows.values.iter().skip(1).map(|column| column.floats()[1]).collect();
         assert_eq!(second, [500.0, 4.0, 30.0, 180.0, 2000.0]);

@@ -24,7 +24,7 @@ struct Head<'b> {
 }
 
 impl<'b> Head<'b> {
-    fn of(bytes: &'b [u8]) -> Option<Self> {
+    fn parse(bytes: &'b [u8]) -> Option<Self> {
         let (mut rest, mut lines) = (bytes, Vec::new());
         while bytes.len() - rest.len() < HEAD {
             let (line, behind) = split_line(rest)?;
@@ -51,13 +51,13 @@ fn split_line(bytes: &[u8]) -> Option<(String, &[u8])> {
 /// Returns true if bytes are a Radiance picture, and not a matrix.
 pub(super) fn is_hdr(bytes: &[u8]) -> bool {
     let is_picture = |head: Head| head.values("FORMAT").any(|format| format.starts_with("32-bit_rle"));
-    bytes.starts_with(b"#?") && Head::of(bytes).is_some_and(is_picture)
+    bytes.starts_with(b"#?") && Head::parse(bytes).is_some_and(is_picture)
 }
 
 /// Reads a picture; levels are divided by its exposure.
 pub(super) fn read_hdr(path: &Path, bytes: &[u8]) -> Result<Pixels> {
     let refuse = |what: String| Error::input(path, None, what, "save the picture as Radiance HDR again, in RGBE");
-    let head = Head::of(bytes).ok_or_else(|| refuse("its header does not end with an empty line".into()))?;
+    let head = Head::parse(bytes).ok_or_else(|| refuse("its header does not end with an empty line".into()))?;
     if let Some(other) = head.values("FORMAT").find(|format| *format != FORMAT) {
         return Err(refuse(format!("its FORMAT is `{}`, not {FORMAT}", excerpt(other, 40))));
     }

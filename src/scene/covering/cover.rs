@@ -67,7 +67,7 @@ impl Density {
         match self {
             Density::PerSurface(count) => f64::from(count.max(1)),
             Density::Spacing(metres) => {
-                let (low, high) = Frame::of(surface).extent(surface.triangles.iter());
+                let (low, high) = Frame::new(surface).extent(surface.triangles.iter());
                 let longest = (high - low).max_element();
                 // A count a hair above a whole number of squares is that number.
                 let up = |x: f64| (x - 1e-6).ceil();
@@ -103,7 +103,7 @@ type Shard = ([DVec3; 3], u32);
 /// Cuts a surface into as many pieces of equal area as [`Density::points`] returns. With a spacing,
 /// parts beyond a neck get pieces of their own.
 pub fn cover(surface: &Surface, density: Density) -> Vec<Piece> {
-    let frame = Frame::of(surface);
+    let frame = Frame::new(surface);
     let count = density.points(surface).min(MAX_POINTS) as usize;
     let mut pieces = Vec::with_capacity(count);
     let shards = surface.triangles.iter().copied().zip(surface.faces.iter().copied()).collect();
@@ -125,7 +125,7 @@ struct Frame {
 impl Frame {
     /// Returns the frame of a surface. Terrain is seen from above. On other surfaces the first axis
     /// is level; on level surfaces it runs along the longest edge.
-    fn of(surface: &Surface) -> Frame {
+    fn new(surface: &Surface) -> Frame {
         let normal = surface.normal;
         if surface.kind == SurfaceKind::Ground {
             return Frame { along: [DVec3::X, DVec3::Y], away: DVec3::Z };

@@ -60,7 +60,7 @@ const LOOKS_UP: f64 = 0.05;
 
 impl EditedScene {
     /// Returns a scene as an archive holds it, without edits.
-    pub fn of(scene: &TracedScene) -> Self {
+    pub fn new(scene: &TracedScene) -> Self {
         let absolute = |corners: &[DVec3; 3]| corners.map(|corner| scene.grid.origin + corner);
         let triangles = scene.triangles.iter().map(absolute).zip(scene.triangle_material.iter().copied()).collect();
         EditedScene {

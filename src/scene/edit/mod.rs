@@ -102,8 +102,8 @@ impl SceneEdits {
                 "build it again from scene files: archives of this release name their objects",
             ));
         }
-        let names = ObjectNames::of(&scene.objects.list);
-        let mut edited = EditedScene::of(scene);
+        let names = ObjectNames::new(&scene.objects.list);
+        let mut edited = EditedScene::new(scene);
         let mut seen: BTreeMap<u32, &str> = BTreeMap::new();
         for name in &self.remove {
             for object in names.find(name, "remove", file)? {

@@ -17,7 +17,7 @@ const PROPOSED: usize = 3;
 pub(super) struct ObjectNames<'a>(HashMap<&'a str, BTreeSet<u32>>);
 
 impl<'a> ObjectNames<'a> {
-    pub(super) fn of(objects: &'a [SceneObject]) -> Self {
+    pub(super) fn new(objects: &'a [SceneObject]) -> Self {
         let mut names: HashMap<&str, BTreeSet<u32>> = HashMap::new();
         for (number, SceneObject { name, note }) in (0..).zip(objects) {
             for name in [name, &note.object, &note.building].into_iter().filter(|name| !name.is_empty()) {

@@ -98,7 +98,7 @@ impl Settling<'_> {
             shells = shells::shells(self.geometry, &self.welded, &kept);
             self.changes.repeated.extend(copies);
         }
-        let near = Near::of(&shells, faces.len());
+        let near = Near::new(&shells, faces.len());
         let mut twins: Vec<Vec<Twin>> = Vec::new();
         for shell in doubtful(&shells) {
             let mut found = twins::within(self.geometry, &self.welded, &shell.faces);
@@ -257,7 +257,7 @@ const CROWDED: usize = 8;
 const APART: f64 = 0.1;
 
 impl<'p> Near<'p> {
-    fn of(shells: &'p [Shell], faces: usize) -> Near<'p> {
+    fn new(shells: &'p [Shell], faces: usize) -> Near<'p> {
         let mut sorted: Vec<&Shell> = shells.iter().collect();
         sorted.sort_by(|a, b| a.low.x.total_cmp(&b.low.x));
         let width_m = shells.iter().map(|shell| shell.high.x - shell.low.x).fold(0.0, f64::max);

@@ -29,11 +29,11 @@ pub(super) struct Noded {
 
 impl Noded {
     /// Builds the common nodes of the polygons of footprints.
-    pub(super) fn of(footprints: &[&[Vec<PlanRing>]]) -> Noded {
+    pub(super) fn new(footprints: &[&[Vec<PlanRing>]]) -> Noded {
         let all = footprints.iter().copied().flatten();
         let corners: Vec<DVec2> = all.flatten().flatten().copied().collect();
         let (positions, node_of) = welded(&corners);
-        let index = NodeCells::of(&positions);
+        let index = NodeCells::new(&positions);
         let mut nodes = node_of.into_iter();
         let mut ring = |ring: &PlanRing| {
             let own: Vec<u32> = nodes.by_ref().take(ring.len()).collect();
@@ -98,7 +98,7 @@ fn cell_of(place: DVec2) -> [i64; 2] {
 }
 
 impl NodeCells {
-    fn of(positions: &[DVec2]) -> NodeCells {
+    fn new(positions: &[DVec2]) -> NodeCells {
         let mut cells: Vec<_> = (0..).zip(positions).map(|(node, place)| (cell_of(*place), node)).collect();
         cells.sort_unstable();
         NodeCells { cells }
@@ -172,7 +172,7 @@ mod tests {
     /// neighbours end.
     #[test]
     fn neighbours_share_the_sides_between_them() {
-        let noded = Noded::of(&[&house(0.0, 5.0, 10.0), &house(5.01, 5.0, 12.0), &house(10.0, 5.0, 9.0)]);
+        let noded = Noded::new(&[&house(0.0, 5.0, 10.0), &house(5.01, 5.0, 12.0), &house(10.0, 5.0, 9.0)]);
         let lengths: Vec<usize> = noded.footprints.iter().map(|polygons| polygons[0][0].len()).collect();
         assert_eq!(lengths, [4, 6, 4]);
         let sides: Vec<[u32; 2]> = noded

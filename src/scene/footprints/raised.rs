@@ -41,7 +41,7 @@ pub(crate) struct FootprintFile<'a> {
 
 /// Adds the faces of all footprints to the geometry of their files; returns notes on what was done.
 pub(crate) fn raise(files: &mut [FootprintFile], ground: &GroundBelow) -> Result<Vec<Message>> {
-    let mut town = Town::of(files);
+    let mut town = Town::new(files);
     let all = town.members.len();
     let pairs = {
         let shapes: Vec<&[Vec<PlanRing>]> = town.blocks.iter().map(|block| block.polygons.as_slice()).collect();
@@ -99,7 +99,7 @@ struct Town {
 
 impl Town {
     /// Collects the footprints of all files.
-    fn of(files: &mut [FootprintFile]) -> Town {
+    fn new(files: &mut [FootprintFile]) -> Town {
         let mut all: Vec<([DVec2; 2], Member, &Footprint)> = Vec::new();
         for (file, of) in files.iter().enumerate() {
             for (footprint, found) in of.footprints.iter().enumerate() {
@@ -194,7 +194,7 @@ impl Town {
 
     fn noded(&self) -> Noded {
         let polygons: Vec<&[Vec<PlanRing>]> = self.blocks.iter().map(|block| block.polygons.as_slice()).collect();
-        Noded::of(&polygons)
+        Noded::new(&polygons)
     }
 
     fn standing(&self) -> Vec<Standing> {

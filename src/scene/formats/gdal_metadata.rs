@@ -66,7 +66,7 @@ pub(super) struct AuxNotes {
 
 impl AuxNotes {
     /// Returns what the `PAMDataset` states; of broken XML, what stands before the break.
-    pub(super) fn of(xml: &str) -> AuxNotes {
+    pub(super) fn parse(xml: &str) -> AuxNotes {
         let (mut notes, mut reader) = (AuxNotes::default(), reader(xml));
         let Ok(Some(_)) = reader.child() else { return notes };
         while let Ok(Some(element)) = reader.child() {
@@ -150,7 +150,7 @@ mod tests {
                    <PAMRasterBand band='2'><Scale>9</Scale></PAMRasterBand>\
                    <PAMRasterBand band='1'><NoDataValueOther>7</NoDataValueOther><NoDataValue>-1</NoDataValue>\
                    <UnitType>ft</UnitType><Offset>5</Offset><Scale>2</Scale></PAMRasterBand></PAMDataset>";
-        let AuxNotes { srs, transform, band: notes } = AuxNotes::of(xml);
+        let AuxNotes { srs, transform, band: notes } = AuxNotes::parse(xml);
         assert_eq!(
             (notes.nodata, notes.offset, notes.scale, notes.unit.as_deref()),
             (Some(-1.0), Some(5.0), Some(2.0), Some("ft"))
@@ -158,10 +158,10 @@ mod tests {
         assert_eq!(BandNotes { scale: Some(0.1), ..BandNotes::default() }.or(notes).scale, Some(0.1));
         assert_eq!((srs.as_deref(), transform), (Some("LOCAL<"), None));
         for (end, xml) in (0..xml.len()).filter_map(|end| Some((end, xml.get(..end)?))) {
-            let cut = AuxNotes::of(xml);
+            let cut = AuxNotes::parse(xml);
             assert!(cut.srs.is_none() || end > 80, "{xml}");
         }
-        assert_eq!(AuxNotes::of("<PAMDataset/>"), AuxNotes::default());
+        assert_eq!(AuxNotes::parse("<PAMDataset/>"), AuxNotes::default());
     }
 
     /// Six spellings of units give their metres; a name that is no length gives `None`.

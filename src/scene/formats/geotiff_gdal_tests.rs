@@ -102,7 +102,7 @@ fn feet_of_an_epsg_code_become_metres() {
 
 fn load(names: &[&str], frame: SiteFrame) -> Result<Scene> {
     let files: Vec<PathBuf> = names.iter().map(|name| at(name)).collect();
-    Scene::load_site(&SceneFiles::of(&files, None)?.framed(&frame))
+    Scene::load_site(&SceneFiles::new(&files, None)?.framed(&frame))
 }
 
 /// A city model and a raster in feet without a height unit meet in New York with a scale of

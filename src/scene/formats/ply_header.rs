@@ -29,7 +29,7 @@ pub(super) enum Kind {
 
 impl Kind {
     /// Returns the type by its name of 1994 or its later name.
-    fn of(name: &[u8]) -> Option<Kind> {
+    fn by_name(name: &[u8]) -> Option<Kind> {
         Some(match name {
             b"char" | b"int8" => Kind::I8,
             b"uchar" | b"uint8" => Kind::U8,
@@ -132,11 +132,11 @@ impl Header {
                 }
                 [b"property", words @ ..] => {
                     let property = match words {
-                        [b"list", count, kind, name] => Kind::of(count).zip(Kind::of(kind)).map(|(count, kind)| {
+                        [b"list", count, kind, name] => Kind::by_name(count).zip(Kind::by_name(kind)).map(|(count, kind)| {
                             let name = String::from_utf8_lossy(name).into_owned();
                             Property { name, kind, list: Some(count) }
                         }),
-                        [kind, name] => Kind::of(kind).map(|kind| {
+                        [kind, name] => Kind::by_name(kind).map(|kind| {
                             let name = String::from_utf8_lossy(name).into_owned();
                             Property { name, kind, list: None }
                         }),

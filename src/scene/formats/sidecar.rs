@@ -79,7 +79,7 @@ pub(super) fn place_of_aux(aux: &AuxNotes) -> Option<WorldFile> {
 pub(super) fn aux(raster: &Path) -> Result<AuxNotes> {
     let Some(name) = raster.file_name().map(|name| name.to_string_lossy()) else { return Ok(AuxNotes::default()) };
     let path = raster.with_file_name(format!("{}.aux.xml", input::without_packing(&name)));
-    if path.is_file() { text_of(&path).map(|xml| AuxNotes::of(&xml)) } else { Ok(AuxNotes::default()) }
+    if path.is_file() { text_of(&path).map(|xml| AuxNotes::parse(&xml)) } else { Ok(AuxNotes::default()) }
 }
 
 /// Completes `meaning` from the `.prj` or `.aux.xml` beside a raster: its coordinate system and its
@@ -99,7 +99,7 @@ pub(super) fn complete(
         (None, None) => return Ok(()),
     };
     let shown = path.display();
-    let Some(system) = TextSystem::of(&text) else {
+    let Some(system) = TextSystem::parse(&text) else {
         let text = excerpt(text.trim().as_bytes());
         warnings.push(message!(
             "{shown}: `{text}` is not a coordinate system in well-known text (WKT); the place on Earth stays unknown: give {{crs}}"

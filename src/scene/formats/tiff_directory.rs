@@ -62,7 +62,7 @@ pub(super) struct Patches {
 }
 
 impl<'b> Bytes<'b> {
-    fn of(bytes: &'b [u8]) -> Option<Bytes<'b>> {
+    fn parse(bytes: &'b [u8]) -> Option<Bytes<'b>> {
         let found = Bytes { bytes, little: bytes.starts_with(b"II"), big: false };
         match found.number(2, 2)? {
             42 => Some(found),
@@ -162,7 +162,7 @@ impl<'b> Bytes<'b> {
 /// BigTIFF), and returns the patches for the decoder. A file that is not TIFF, or ends within its
 /// header, is left to the decoder.
 pub(super) fn check(bytes: &[u8]) -> Result<Patches, String> {
-    let Some(bytes) = Bytes::of(bytes) else { return Ok(Patches::default()) };
+    let Some(bytes) = Bytes::parse(bytes) else { return Ok(Patches::default()) };
     let (at, length) = bytes.first();
     match bytes.number(at, length).and_then(|start| bytes.directory(start)) {
         Some(directory) => {
@@ -177,7 +177,7 @@ pub(super) fn check(bytes: &[u8]) -> Result<Patches, String> {
 /// transparency (masks of overviews have type 5). Returns patches that make the decoder read the
 /// mask in place of the image.
 pub(super) fn mask(bytes: &[u8]) -> Result<Option<Patches>, String> {
-    let Some(bytes) = Bytes::of(bytes) else { return Ok(None) };
+    let Some(bytes) = Bytes::parse(bytes) else { return Ok(None) };
     let (at, length) = bytes.first();
     let Some(first) = bytes.number(at, length).and_then(|start| bytes.directory(start)) else { return Ok(None) };
     let mut start = first.next;

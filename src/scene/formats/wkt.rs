@@ -28,7 +28,7 @@ impl TextSystem {
     }
 
     /// Reads a text; returns `None` if it is not a coordinate system.
-    pub(super) fn of(text: &str) -> Option<TextSystem> {
+    pub(super) fn parse(text: &str) -> Option<TextSystem> {
         let text = text.trim_start_matches('\u{feff}').trim();
         if text.get(..10).is_some_and(|head| head.eq_ignore_ascii_case("projection")) {
             return Some(of_keywords(text));

@@ -3,7 +3,7 @@
 use super::*;
 
 fn of(text: &str) -> TextSystem {
-    TextSystem::of(text).expect(text)
+    TextSystem::parse(text).expect(text)
 }
 
 /// Returns a system in Esri's dialect with the unit `unit`.
@@ -110,11 +110,11 @@ fn keywords_of_arcinfo_state_a_system() {
 #[test]
 fn hostile_texts_give_no_epsg_code() {
     let whole = esri("WGS_1984_UTM_Zone_32N", WGS, UTM_32, "\"Meter\",1.0");
-    assert!((0..whole.len()).all(|end| TextSystem::of(&whole[..end]).is_none()));
+    assert!((0..whole.len()).all(|end| TextSystem::parse(&whole[..end]).is_none()));
     for text in
         ["", "[", "PROJCS", "PROJCS[", "PROJCS[]", "1,2,3", &"PROJCS[".repeat(1000), "\u{20ac}\u{20ac}\u{20ac}\u{20ac}"]
     {
-        assert_eq!(TextSystem::of(text).and_then(|found| found.epsg), None, "{text}");
+        assert_eq!(TextSystem::parse(text).and_then(|found| found.epsg), None, "{text}");
     }
     assert_eq!(of("PROJCS[\"x\",UNIT[\"none\",0]]").plane_unit_m, None);
 }

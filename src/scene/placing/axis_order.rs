@@ -57,7 +57,7 @@ impl Swap {
     /// Returns the reason to read degrees of a geographic system in the other order; `None` if the
     /// stated order may be right, or the other one is no better. Antarctica counts only where the
     /// order is not certain.
-    pub(crate) fn of(geographic: Option<u32>, scene: Option<u32>, stated: Degrees, is_certain: bool) -> Option<Swap> {
+    pub(crate) fn new(geographic: Option<u32>, scene: Option<u32>, stated: Degrees, is_certain: bool) -> Option<Swap> {
         let other = stated.swapped();
         if !other.is_in_range() {
             return None;
@@ -121,7 +121,7 @@ mod tests {
             (None, 9.0, 52.0, false, None),
             (None, -74.0, 40.7, false, Some(Swap::Antarctic)),
         ] {
-            let found = Swap::of(Some(4326), scene, Degrees { latitude, longitude }, is_certain);
+            let found = Swap::new(Some(4326), scene, Degrees { latitude, longitude }, is_certain);
             assert_eq!(found, expected, "{latitude} {longitude}");
         }
     }

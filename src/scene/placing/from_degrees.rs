@@ -33,7 +33,7 @@ impl FromDegrees {
             Some(epsg) => epsg,
             None => utm_of(latitude_deg, longitude_deg).ok_or(Unplaced::Outside)?,
         };
-        let to = PlaneSystem::of(epsg)?;
+        let to = PlaneSystem::by_epsg(epsg)?;
         let number = geographic.filter(|epsg| axes_of(*epsg) == Some(Axes::Degrees)).map(horizontal_part);
         let known = number.and_then(|number| crs_definitions::from_code(u16::try_from(number).ok()?));
         let known = known.map(|definition| definition.proj4).filter(|definition| definition.contains("longlat"));

@@ -41,7 +41,7 @@ impl Folder {
 
     fn load(&self, names: &[&str], frame: &SiteFrame) -> Result<Scene> {
         let files: Vec<_> = names.iter().map(|name| self.0.path().join(name)).collect();
-        Scene::load_site(&SceneFiles::of(&files, None)?.framed(frame))
+        Scene::load_site(&SceneFiles::new(&files, None)?.framed(frame))
     }
 
     /// Returns the warnings about some files, without those about materials.

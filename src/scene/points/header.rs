@@ -37,7 +37,7 @@ pub(super) fn advance_to_header(rows: &mut CsvRows, hint: &'static str) -> Resul
 
 impl<'h> Header<'h> {
     /// Returns the columns of the present row. Capital letters count as small ones.
-    pub fn of(rows: &'h CsvRows<'h>, hint: &'static str) -> Self {
+    pub fn new(rows: &'h CsvRows<'h>, hint: &'static str) -> Self {
         let names: Vec<String> = rows.record.iter().map(str::to_lowercase).collect();
         Header { rows, used: vec![false; names.len()], names, hint }
     }

@@ -46,7 +46,7 @@ const HINT: &str = "give columns x and y in metres; z (height of the road, metre
 pub fn read_lines(file: &Path) -> Result<Vec<TravelLine>> {
     let mut rows = CsvRows::open(file)?;
     advance_to_header(&mut rows, HINT)?;
-    let mut header = Header::of(&rows, HINT);
+    let mut header = Header::new(&rows, HINT);
     let (x, y) = (header.needed(&["x"])?, header.needed(&["y"])?);
     let (z, name) = (header.find(&["z"])?, header.find(&["line"])?);
     let usual = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();

@@ -40,7 +40,7 @@ const MAX_NAME: usize = 100;
 pub fn read_points(path: &Path, defaults: PointDefaults, warnings: &mut Vec<Message>) -> Result<Vec<PlacePoint>> {
     let mut rows = CsvRows::open(path)?;
     advance_to_header(&mut rows, HINT)?;
-    let mut header = Header::of(&rows, HINT);
+    let mut header = Header::new(&rows, HINT);
     let columns = PointColumns::find(&mut header, NAMES, defaults)?;
     warnings.extend(header.unused());
     let (mut points, mut line_of): (Vec<PlacePoint>, HashMap<String, usize>) = (Vec::new(), HashMap::new());

@@ -131,7 +131,7 @@ impl<'a> ReceiverRows<'a> {
 
     fn new(mut rows: CsvRows<'a>, north: North, warnings: &mut Vec<Message>) -> Result<Self> {
         advance_to_header(&mut rows, HINT)?;
-        let mut header = Header::of(&rows, HINT);
+        let mut header = Header::new(&rows, HINT);
         let columns = Columns::find(&mut header)?;
         warnings.extend(header.unused());
         Ok(ReceiverRows { rows, columns, north, surface: None })

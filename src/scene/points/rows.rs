@@ -61,7 +61,7 @@ impl Facing {
     pub fn turn(self, site: North, azimuths_from: North) -> std::result::Result<Orientation, String> {
         let normal = self.normal(azimuths_from)?;
         let stated = self.turn.filter(|_| site == azimuths_from);
-        Ok(stated.unwrap_or_else(|| Orientation::of(site.to_true(normal))))
+        Ok(stated.unwrap_or_else(|| Orientation::new(site.to_true(normal))))
     }
 }
 
@@ -289,7 +289,7 @@ mod tests {
     #[test]
     fn azimuths_count_from_true_north() {
         let place = Place { latitude_deg: 47.0, longitude_deg: 8.6, convergence_deg: 0.8, epsg: Some(2056) };
-        let (north, grid) = (North::of(Some(&place)), North::default());
+        let (north, grid) = (North::new(Some(&place)), North::default());
         let south = facing(None, Some([90.0, 180.0]));
         let normal = south.normal(north).expect("one direction");
         assert!((normal.angle_between(DVec3::NEG_Y).to_degrees() - 0.8).abs() < 1e-9 && normal.x > 0.0, "{normal}");

@@ -83,7 +83,7 @@ impl<'a> GroundGrid<'a> {
     /// approximate distance of its places. Across the rows a pitch holds a whole number of places,
     /// so that all pitches are alike; along the rows the area does.
     pub fn new(rows: &'a RowsOfModules, step_m: f64, north: North, outline: &'a Outline) -> Self {
-        let axes = RowAxes::of(rows, north, outline);
+        let axes = RowAxes::new(rows, north, outline);
         let [left, right] = axes.sides;
         let across = PlaceLine::new(axes.first_edge(rows), even_step(rows.pitch_m, step_m), axes.behind);
         let along = PlaceLine::new(left, even_step(right - left, step_m), axes.sides);

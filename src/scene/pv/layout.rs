@@ -139,7 +139,7 @@ pub(super) struct RowAxes {
 
 impl RowAxes {
     /// Returns the axes of rows in the scene's axes. Modules that lie flat face their azimuth, too.
-    pub fn of(rows: &RowsOfModules, north: North, outline: &Outline) -> Self {
+    pub fn new(rows: &RowsOfModules, north: North, outline: &Outline) -> Self {
         let upright = Orientation { tilt_deg: 90.0, ..rows.turn };
         let faces = north.to_axes(upright.normal()).truncate().normalize_or(DVec2::NEG_Y);
         let along = DVec2::new(-faces.y, faces.x);
@@ -171,7 +171,7 @@ pub struct Laid {
 
 /// Lays out rows. `below` gives the height of the surface under a place in plan.
 pub fn lay(rows: &RowsOfModules, north: North, outline: &Outline, below: impl Fn(DVec2) -> Option<f64>) -> Laid {
-    let axes = RowAxes::of(rows, north, outline);
+    let axes = RowAxes::new(rows, north, outline);
     let RowAxes { faces, along, behind: [_, last], sides: [left, right] } = axes;
     let normal = north.to_axes(rows.turn.normal());
     let up = (-faces * normal.z).extend(normal.truncate().length());

@@ -380,7 +380,7 @@ fn a_street_is_read() {
         dem: at("dem"),
         canopy: at("canopy"),
         landcover: at("landcover"),
-        ..SurfaceRasters::of(at("dsm").expect("a path"))
+        ..SurfaceRasters::new(at("dsm").expect("a path"))
     };
     let request = crate::request::SceneRequest { surface: rasters, ..Default::default() };
     let site = request.site().expect("a site");

@@ -99,13 +99,13 @@ impl RepairRequest {
         let mut receivers = self.receivers(&archive, &scene, &workspace, resources)?;
         // The new archive has a temporary name until its root is known to be right.
         let repaired = with_ending(output, ".repaired");
-        SiteSettings::of(&archive.manifest().settings, archive.path())?;
+        SiteSettings::new(&archive.manifest().settings, archive.path())?;
         let settings = BuildSettings::of(&archive.manifest().settings);
         let plan = Plan {
             accuracy: archive.manifest().accuracy.clone(),
             negligible: archive.manifest().negligible.clone(),
             with_scene: !archive.entries_of(format::SCENE).is_empty(),
-            ..Plan::of(settings)
+            ..Plan::new(settings)
         };
         let to = Output { start: Start::Resume, ..Output::new(repaired.clone()) };
         let root = archive.root();

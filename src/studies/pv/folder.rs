@@ -36,7 +36,7 @@ pub struct PvFolder {
 
 impl PvFolder {
     /// Returns the files of a request; `has_ground` is true if there are receivers on the ground.
-    pub fn of(request: &PvRequest, has_ground: bool) -> Self {
+    pub fn new(request: &PvRequest, has_ground: bool) -> Self {
         let folder = request.folder.clone();
         let file = |name: &str| folder.join(name);
         PvFolder {

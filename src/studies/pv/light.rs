@@ -42,7 +42,7 @@ fn replay_of(request: &PvRequest) -> ReplayRequest {
     let light = LightChoice { sky: SkyChoice::Model(request.sky), ..LightChoice::default() };
     let PvRequest { weather, year, stamp, snow, snow_reflectance, .. } = request;
     let (year, stamp, snow, snow_reflectance) = (*year, *stamp, *snow, *snow_reflectance);
-    ReplayRequest { light, year, stamp, snow, snow_reflectance, ..ReplayRequest::of(weather) }
+    ReplayRequest { light, year, stamp, snow, snow_reflectance, ..ReplayRequest::new(weather) }
 }
 
 /// Returns the rows of weather that count; warns of days that a year does not have.
@@ -106,7 +106,7 @@ impl<'a> Light<'a> {
 
     /// Notes doubts about an archive in the band of photosynthetically active radiation.
     pub fn tell_par(&self, archive: &Archive) -> Result<()> {
-        let light = LightChoice { bands: Box::new(BandList::of(&[Band::Par])), ..LightChoice::default() };
+        let light = LightChoice { bands: Box::new(BandList::new(&[Band::Par])), ..LightChoice::default() };
         light.tell_bands(Archives::one(archive), self.resources.observer)
     }
 
@@ -119,7 +119,7 @@ impl<'a> Light<'a> {
     /// Returns the photosynthetically active radiation by month of the receivers for which `wanted`
     /// is true.
     pub fn monthly_par(&self, archive: &Archive, wanted: impl Fn(&str) -> bool) -> Result<HashMap<String, PlantLight>> {
-        let found = self.by_month(archive, ComponentSet::of(&PAR), PAR, wanted)?;
+        let found = self.by_month(archive, ComponentSet::new(&PAR), PAR, wanted)?;
         Ok(found.into_iter().map(|(id, months)| (id, PlantLight(months))).collect())
     }
 
@@ -147,7 +147,7 @@ impl<'a> Light<'a> {
     /// Returns the totals of every receiver over all hours, kWh/m2.
     pub fn totals(&self, archive: &Archive) -> Result<HashMap<String, f64>> {
         let mut found = HashMap::new();
-        self.replayed(archive, Every::Total, ComponentSet::of(&[Component::Total]), |tile| {
+        self.replayed(archive, Every::Total, ComponentSet::new(&[Component::Total]), |tile| {
             for (row, id) in tile.ids.iter().enumerate() {
                 let total = tile.values.row(Component::Total, row).first().copied().map_or(0.0, f64::from);
                 found.insert(id.clone(), total);
@@ -161,7 +161,7 @@ impl<'a> Light<'a> {
     pub fn hourly(&self, archive: &Archive, mut each: impl FnMut(&str, SideHours) -> Result<()>) -> Result<()> {
         self.replayed(archive, Every::Hour, ComponentSet::ALL, |tile| {
             let mut rows = tile.ids.iter().enumerate();
-            rows.try_for_each(|(row, id)| each(id, SideHours::of(|component| tile.values.row(component, row))))
+            rows.try_for_each(|(row, id)| each(id, SideHours::new(|component| tile.values.row(component, row))))
         })
     }
 

@@ -149,7 +149,7 @@ impl Wanted {
 
 impl Default for PvRequest {
     fn default() -> Self {
-        let mut request = PvRequest::of(SceneRequest::default(), "", "", "");
+        let mut request = PvRequest::new(SceneRequest::default(), "", "", "");
         request.points = None;
         request
     }
@@ -170,7 +170,7 @@ fn run(request: &PvRequest, about: Provenance, resources: &Resources) -> Result<
     let observer = resources.observer;
     let mut site = request.scene.site()?;
     let wanted = request.wanted(observer)?;
-    let files = PvFolder::of(request, wanted.has_ground());
+    let files = PvFolder::new(request, wanted.has_ground());
     files.guard(&site, request)?;
     // Weather is read before the scene, which takes longer: a wrong weather file fails at once.
     let mut loaded = None;
@@ -181,7 +181,7 @@ fn run(request: &PvRequest, about: Provenance, resources: &Resources) -> Result<
     scene.place.and_then(|place| far_apart(&place, &weather)).iter().for_each(|apart| observer.warn(apart));
     let dated = light::rows_of(request, &weather, observer)?;
     let light = Light::new(request, &weather, &dated, *resources);
-    let north = North::of(scene.place.as_ref());
+    let north = North::new(scene.place.as_ref());
 
     let prepared = PreparedScene::new(&scene)?;
     let siting = Siting::new(&prepared);
@@ -261,7 +261,7 @@ fn run(request: &PvRequest, about: Provenance, resources: &Resources) -> Result<
 
 impl PvRequest {
     /// Returns a study of the modules of a table of points.
-    pub fn of(
+    pub fn new(
         scene: SceneRequest,
         weather: impl Into<PathBuf>,
         points: impl Into<PathBuf>,

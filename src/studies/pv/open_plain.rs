@@ -60,7 +60,7 @@ impl<'a, T: Clone + Default> OpenPlain<'a, T> {
         }
         for (ground, normals) in of_ground {
             let plain = self.plain(ground)?;
-            let north = North::of(plain.place.as_ref());
+            let north = North::new(plain.place.as_ref());
             let all: Vec<([u64; 3], DVec3)> = normals.into_iter().collect();
             let receiver = |(i, (_, normal)): (usize, &([u64; 3], DVec3))| {
                 Receiver::new(i.to_string(), DVec3::Z, north.to_axes(*normal))

@@ -103,7 +103,7 @@ impl Fans<'_, '_> {
 
     /// Returns the totals of all orientations at all places, in their order.
     fn totals(&self, prepared: &PreparedScene, asked: &[Asked]) -> Result<Vec<Vec<OrientationValue>>> {
-        let north = North::of(prepared.scene.place.as_ref());
+        let north = North::new(prepared.scene.place.as_ref());
         let id = |place: usize, turn: usize| format!("{place}/{turn}");
         let receivers: Vec<Receiver> = asked
             .iter()
@@ -211,7 +211,11 @@ pub fn trace_aside(
     let mut tiles = ReceiverTiles::from_receivers(receivers, prepared.scene.mesh.origin, beside.path(), budget)?;
     let path = beside.path().join("aside.helio");
     let mut build = Build { scene: prepared, receivers: &mut tiles, workspace: &workspace, observer };
-    build.write(&Plan { with_scene: false, ..Plan::of(*settings) }, &Output::new(&path), &ReusedArchives::default())?;
+    build.write(
+        &Plan { with_scene: false, ..Plan::new(*settings) },
+        &Output::new(&path),
+        &ReusedArchives::default(),
+    )?;
     let archive = Archive::open_with(&path, Access::Read)?;
     Ok(TracedAside { archive, _folder: beside })
 }

@@ -75,7 +75,7 @@ impl Spot {
     /// Returns the orientation of a side.
     pub fn turn_of(&self, side: &SpotSide) -> Orientation {
         match side.name {
-            "rear" => Orientation::of(-self.turn().normal()),
+            "rear" => Orientation::new(-self.turn().normal()),
             _ => self.turn(),
         }
     }
@@ -102,7 +102,7 @@ impl Spots {
 
     /// Returns the points of a table in a scene.
     pub fn of_points(table: &Path, points: &[PlacePoint], siting: &Siting, scene: &Scene) -> Result<Self> {
-        let (site, azimuths_from) = (North::of(scene.place.as_ref()), scene.table_north());
+        let (site, azimuths_from) = (North::new(scene.place.as_ref()), scene.table_north());
         let spot = |point: &PlacePoint| {
             let given = point.facing.map(|facing| facing.turn(site, azimuths_from)).transpose();
             let given = given.map_err(|what| Error::input(table, point.line, what, ONE_DIRECTION))?;

@@ -104,7 +104,7 @@ impl Results<'_, '_> {
         let months = self.light.monthly(self.archive)?;
         let mut all: HashMap<String, OfReceiver> =
             months.into_iter().map(|(id, months)| (id, OfReceiver { months, sky_view: 0.0 })).collect();
-        for row in ArchiveReceivers::<()>::new(&OpenSite::of(self.archive)?) {
+        for row in ArchiveReceivers::<()>::new(&OpenSite::open(self.archive)?) {
             let row = row?;
             if let Some(found) = all.get_mut(&row.receiver.id) {
                 found.sky_view = f64::from(row.views[0]);

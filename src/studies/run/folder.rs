@@ -40,7 +40,7 @@ pub struct RunFiles {
 
 impl RunFiles {
     /// Returns the files of a request, named after the scene and the weather.
-    pub fn of(request: &RunRequest, site: &SceneFiles) -> RunFiles {
+    pub fn new(request: &RunRequest, site: &SceneFiles) -> RunFiles {
         let folder = request.folder.clone().unwrap_or_else(|| folder_beside(request.scene.first(), "sun"));
         let results = folder.join(weather_name(&request.weather));
         RunFiles {

@@ -40,7 +40,7 @@ heliotile_core::serde_by_name!(RunMap);
 
 /// Refuses maps that a scene of this place cannot have, before any work.
 pub fn check(maps: &[RunMap], place: Option<&Place>) -> Result<()> {
-    let crs = MapCrs::of(place, DVec3::ZERO);
+    let crs = MapCrs::new(place, DVec3::ZERO);
     formats(maps).try_for_each(|format| format.check(&crs, "map"))
 }
 

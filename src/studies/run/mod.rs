@@ -136,13 +136,13 @@ pub struct RunDone {
 
 impl Default for RunRequest {
     fn default() -> Self {
-        RunRequest::of(SceneRequest::default(), "")
+        RunRequest::new(SceneRequest::default(), "")
     }
 }
 
 impl RunRequest {
     /// Returns a run with default receivers and accuracy: annual sums and a map.
-    pub fn of(scene: SceneRequest, weather: impl Into<PathBuf>) -> Self {
+    pub fn new(scene: SceneRequest, weather: impl Into<PathBuf>) -> Self {
         RunRequest {
             scene,
             weather: weather.into(),
@@ -168,10 +168,10 @@ impl RunRequest {
     /// Writes the folder; `about` is the provenance that results state.
     pub fn write(&self, about: Provenance, resources: &Resources) -> Result<RunDone> {
         let site = self.scene.site()?;
-        let files = RunFiles::of(self, &site);
+        let files = RunFiles::new(self, &site);
         files.guard(&site, self)?;
         let sunlight = self.sunlight();
-        let rules = FileRequest { by: self.by, ..FileRequest::of(files.rules(self)) };
+        let rules = FileRequest { by: self.by, ..FileRequest::new(files.rules(self)) };
         sunlight.iter().try_for_each(|request| request.check(&rules, &[&self.weather]))?;
         let city_model = self.maps.contains(&RunMap::CityModel).then(|| maps::city_model_of(&site)).transpose()?;
         let (archive, weather) = self.archive(&site, &files, resources)?;

@@ -73,7 +73,7 @@ impl RunResults<'_> {
         let asked = self.request;
         let tables = asked.every.iter().min().copied();
         let finest = tables.unwrap_or(Every::Month).min(Every::Month);
-        let request = ReplayRequest { stamp: asked.stamp, every: finest, ..ReplayRequest::of(&asked.weather) };
+        let request = ReplayRequest { stamp: asked.stamp, every: finest, ..ReplayRequest::new(&asked.weather) };
         // Annual sums cover the whole file. Only rows of tables are put into a year, and only
         // tables need a note on years.
         let totals = ReplayRequest { every: Every::Total, ..request.clone() };

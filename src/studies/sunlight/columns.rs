@@ -69,7 +69,7 @@ pub struct DayColumns<'a> {
 impl<'a> DayColumns<'a> {
     /// Returns the columns of a request. `is_of_groups`, `has_before` and `is_glare` say if rows
     /// are about groups, if there are values before a change, and if minutes are of glare.
-    pub fn of(asked: &'a Asked, plan: &'a DayPlan, is_of_groups: bool, has_before: bool, is_glare: bool) -> Self {
+    pub fn new(asked: &'a Asked, plan: &'a DayPlan, is_of_groups: bool, has_before: bool, is_glare: bool) -> Self {
         use Number::{
             AtLeast, AtMost, Before, Deflection, First, Irradiance, Last, Least, Lit, Longest, Lost, Mean, Most, Sun,
             Uncertain, Value, ValueBefore, ValueUncertain, Verdict, VerdictBefore,

@@ -107,7 +107,7 @@ impl DayPlan {
 
     /// Returns the sun on these days, and its paths through textures.
     pub fn suns(&self, north: North, sides: TextureSides) -> SunDays {
-        let days: Vec<SunDay> = self.dates.par_iter().map(|date| SunDay::of(&self.site, *date, north)).collect();
+        let days: Vec<SunDay> = self.dates.par_iter().map(|date| SunDay::new(&self.site, *date, north)).collect();
         SunDays { passes: days.par_iter().map(|day| day.passes(sides)).collect(), days }
     }
 
@@ -120,7 +120,8 @@ impl DayPlan {
         sunny: Option<&SunnyHours>,
         least_altitude_deg: f64,
     ) -> Result<Vec<PlannedRule>> {
-        let suns: Vec<SunDay> = self.dates.iter().map(|date| SunDay::of(&self.site, *date, North::default())).collect();
+        let suns: Vec<SunDay> =
+            self.dates.iter().map(|date| SunDay::new(&self.site, *date, North::default())).collect();
         let planned = |rule: Rule| {
             let days = match (rule.needs_days(), rule.dates.is_empty()) {
                 (false, _) => Vec::new(),
@@ -189,7 +190,7 @@ impl SunnyHours {
     /// Returns the sunny spells of weather, by a clock with this offset from UTC. A spell has
     /// direct irradiance of at least 120 W/m2, the World Meteorological Organization's definition
     /// of sunshine.
-    pub fn of(weather: &Weather, offset: UtcOffset) -> Self {
+    pub fn new(weather: &Weather, offset: UtcOffset) -> Self {
         let later_min = f64::from(offset.minutes()) - 60.0 * weather.site.zone_hours;
         let mut found: BTreeMap<MonthDay, Spells> = BTreeMap::new();
         let mut add = |date: Date, start_min: f64, end_min: f64| {
@@ -256,7 +257,7 @@ mod tests {
         let (first, last) = (counts.first_min().unwrap_or_default(), counts.last_min().unwrap_or_default());
         assert!((0.5 * (first + last) - 771.0).abs() < 1.0, "{first} {last}");
         let hours = ClockHours { from_min: 540.0, to_min: 900.0, clock: RuleClock::Legal };
-        let june = SunDay::of(&plan.site, plan.dates[1], North::default());
+        let june = SunDay::new(&plan.site, plan.dates[1], North::default());
         assert_eq!(plan.standard(hours, &june), Spells::one(480.0, 840.0));
         assert_eq!(plan.standard(ClockHours { clock: RuleClock::Standard, ..hours }, &june), Spells::one(540.0, 900.0));
     }

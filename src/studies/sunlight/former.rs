@@ -35,13 +35,13 @@ pub enum NamesAfter {
 
 impl NamesAfter {
     /// Matches the receivers of both sides. Fails if no receiver exists on both.
-    pub fn of(before: &SunlightSite, after: &ReceiverSet, resources: &Resources) -> Result<Self> {
+    pub fn new(before: &SunlightSite, after: &ReceiverSet, resources: &Resources) -> Result<Self> {
         check_memory(before.receivers.count().saturating_add(after.count()), resources.memory)?;
         let places = |set: &ReceiverSet| -> Result<Vec<ReceiverPlace>> {
             set.receivers().map(|one| Ok((&one?).into())).collect()
         };
         let (had, has) = (places(before.receivers)?, places(after)?);
-        let matching = ReceiverMatching::of(&had, &has);
+        let matching = ReceiverMatching::new(&had, &has);
         if matching.pairs.is_empty() {
             let what = format!("has none of the {} receivers of the archive after", has.len());
             let hint = "give an archive of the site before: receivers are matched by place and normal, or by name";

@@ -82,10 +82,10 @@ impl GlareChoice {
             }
         }
         if let Some(path) = &self.spells {
-            Format::of(path)?;
+            Format::by_ending(path)?;
         }
         if let Some(path) = &self.panes {
-            ResultFormat::of(path, false)?;
+            ResultFormat::by_ending(path, false)?;
         }
         self.files().try_for_each(|path| guard_output(path, inputs))
     }
@@ -147,7 +147,7 @@ impl SpellTeller<'_> {
             let uncertain_min = uncertain_min(mirror, *spell);
             for (spell, pane) in self.cut(mirror, day, *spell) {
                 let own = Spells::one(spell.start_min, spell.end_min);
-                let Some(strongest) = Strongest::of(mirror, day, &own) else { continue };
+                let Some(strongest) = Strongest::new(mirror, day, &own) else { continue };
                 let sun = self.north.to_true(day.sun(0.5 * (spell.start_min + spell.end_min)));
                 let (date, mirrors) = (day.date, mirror.chain.len());
                 found.push(GlareSpell { date, spell, uncertain_min, pane, mirrors, strongest, sun });
@@ -314,7 +314,7 @@ impl SpellRecord {
         let series: Vec<String> = order.iter().map(|(pane, _)| (*pane).to_owned()).collect();
         let day = |date: &Date| {
             let ahead_min = plan.zone.ahead_min(*date);
-            let sun = SunDay::of(&plan.site, *date, North::default());
+            let sun = SunDay::new(&plan.site, *date, North::default());
             let later = |spells: &Spells| -> Vec<Spell> {
                 let later =
                     |one: &Spell| Spell { start_min: one.start_min + ahead_min, end_min: one.end_min + ahead_min };
@@ -391,7 +391,7 @@ pub struct PaneFile<'a> {
 impl PaneFile<'_> {
     /// Refuses a map that cannot be drawn, before anything is computed.
     pub fn check(&self) -> Result<()> {
-        match (ResultFormat::of(self.path, false)?, self.receivers.parts().first()) {
+        match (ResultFormat::by_ending(self.path, false)?, self.receivers.parts().first()) {
             (ResultFormat::Map(format), Some(part)) => format.check(&crs_of(part.archive), "panes"),
             _ => Ok(()),
         }
@@ -418,7 +418,7 @@ impl PaneFile<'_> {
         let drawn: Vec<Receiver> = panes.all().iter().map(|pane| pane.drawn()).collect();
         let names: Vec<String> = drawn.iter().map(|pane| pane.id.clone()).collect();
         let north = self.receivers.north();
-        let extent = |pane: &Receiver| Extent::of(pane, north);
+        let extent = |pane: &Receiver| Extent::new(pane, north);
         let extents: Vec<Extent> = drawn.iter().map(extent).collect();
         let sums = record.of_panes();
         let of = |number: fn(&PaneSum) -> f64| -> Vec<f32> {
@@ -426,7 +426,7 @@ impl PaneFile<'_> {
         };
         let arrays = [of(|sum| sum.minutes), of(|sum| sum.most), of(|sum| sum.receivers.into())];
         let called = format!("{}, {days}", name_of(self.place));
-        let mut writer = match ResultFormat::of(self.path, false)? {
+        let mut writer = match ResultFormat::by_ending(self.path, false)? {
             ResultFormat::Table(_) => {
                 let all = || Ok(names.clone());
                 let places = Places { count: names.len() as u64, names: &all };

@@ -108,7 +108,7 @@ fn items_of(parts: &[GroupPart], asked: &Asked, lit_share: f64) -> Vec<Option<An
                         RuleValue::reached_on(least, planned.rule.threshold, &values().collect::<Vec<_>>())
                     }
                 };
-                AnswerItem::of(value)
+                AnswerItem::new(value)
             }
         })
     };

@@ -39,7 +39,7 @@ pub struct PaneList(Mutex<BTreeMap<String, Arc<Pane>>>);
 
 impl ScenePanes {
     /// Finds the panes of a scene.
-    pub fn of(scene: &Scene) -> Self {
+    pub fn new(scene: &Scene) -> Self {
         let mut of_triangle = BTreeMap::new();
         let Surfaces { list, objects, .. } = Surfaces::find(&soup_of(scene), &scene.materials);
         let mut panes = Vec::new();

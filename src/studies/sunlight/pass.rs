@@ -70,7 +70,7 @@ impl SunlightRequest {
         let windows = windows_of(site, files.by)?;
         let receivers = windows.as_ref().unwrap_or(site.receivers);
         let groups = groups_of(receivers, files.by, site.place)?;
-        let columns = DayColumns::of(&asked, &plan, groups.is_some(), before.is_some(), self.glare.is_some());
+        let columns = DayColumns::new(&asked, &plan, groups.is_some(), before.is_some(), self.glare.is_some());
         let mut layout = columns.layout(files.by);
         if let Some(groups) = &groups {
             layout.facts = groups.facts(files.by, false);
@@ -186,7 +186,7 @@ impl SunlightRequest {
         let groups = groups_of(receivers, by, before.place)?;
         let names = match &groups {
             Some(_) => NamesAfter::Same,
-            None => NamesAfter::of(&site, of_after.receivers, resources)?,
+            None => NamesAfter::new(&site, of_after.receivers, resources)?,
         };
         let places = groups.as_ref().map_or(receivers.count(), |groups| groups.names().len() as u64);
         let mut former = FormerValues::with_room(places, of_after.items() as u64, resources)?;
@@ -225,7 +225,7 @@ impl SunlightRequest {
             return Ok(());
         }
         for archive in archives.iter().chain(before.iter().flat_map(|before| before.archives.iter())) {
-            if !OpenSite::of(archive)?.orientations().is_empty() {
+            if !OpenSite::open(archive)?.orientations().is_empty() {
                 return Ok(());
             }
         }

@@ -136,7 +136,7 @@ struct ReceiverSees<'m> {
 
 impl AnswerItem {
     /// Returns an item with a value only.
-    pub fn of(value: RuleValue) -> Self {
+    pub fn new(value: RuleValue) -> Self {
         AnswerItem { value, days: Vec::new(), strongest: None, before: None }
     }
 }
@@ -157,7 +157,7 @@ impl PlaceQuestions<'_> {
                 part,
                 suns,
                 high,
-                sky: self.wants_sky().then(|| SkyComponents::of(&part.site)).transpose()?,
+                sky: self.wants_sky().then(|| SkyComponents::new(&part.site)).transpose()?,
                 wants_sun: self.wants(false),
                 rays: prepared.as_ref().filter(|_| self.exact).map(Siting::new),
                 mirrors: self.wants(true).then(|| self.mirrors(part, prepared.as_ref())).transpose()?,
@@ -200,7 +200,7 @@ impl PlaceQuestions<'_> {
 
     /// Returns the mirrors of one archive, with its scene if rays are cast.
     fn mirrors<'p>(&self, part: &PartReceivers, prepared: Option<&'p PreparedScene<'p>>) -> Result<PartMirrors<'p>> {
-        let table = MirrorTable::of(&part.site);
+        let table = MirrorTable::new(&part.site);
         let rays = match prepared {
             None => None,
             Some(prepared) => {
@@ -210,7 +210,7 @@ impl PlaceQuestions<'_> {
                     Error::input(part.archive.path(), None, what, "build the archive again")
                 })?;
                 let panes = self.panes.map(|list| {
-                    let panes = ScenePanes::of(prepared.scene);
+                    let panes = ScenePanes::new(prepared.scene);
                     list.add(&panes);
                     panes
                 });
@@ -352,7 +352,7 @@ impl PartQuestions<'_> {
                             let counted: Vec<(SunSeen, &MirrorSpells)> =
                                 mirrors.iter().map(|one| (self.high(number, one.within(day, angles)), one)).collect();
                             let strongest =
-                                counted.iter().filter_map(|(seen, mirror)| Strongest::of(mirror, day, &seen.seen));
+                                counted.iter().filter_map(|(seen, mirror)| Strongest::new(mirror, day, &seen.seen));
                             item(in_any(counted.iter().map(|(seen, _)| seen)), strongest.reduce(Strongest::and))
                         };
                         days.map(of_date).collect()
@@ -380,7 +380,7 @@ impl PartQuestions<'_> {
     ) -> AnswerItem {
         let rule = &planned.rule;
         if rule.measure == RuleMeasure::VscPercent {
-            return AnswerItem::of(RuleValue::certain(vsc_percent.unwrap_or_default()));
+            return AnswerItem::new(RuleValue::certain(vsc_percent.unwrap_or_default()));
         }
         let least_deg = rule.least_angle_deg;
         let angles = self.all.glare.map_or(rule.angles, |asked| rule.angles.and(asked));
@@ -403,6 +403,6 @@ impl PartQuestions<'_> {
         let days: Vec<SunSeen> = planned.days.iter().map(of_day).collect();
         let value = planned.value(&days);
         let is_wanted = self.all.is_of_groups && matches!(rule.part, LitPart::AtATime(_));
-        AnswerItem { days: if is_wanted { days } else { Vec::new() }, ..AnswerItem::of(value) }
+        AnswerItem { days: if is_wanted { days } else { Vec::new() }, ..AnswerItem::new(value) }
     }
 }

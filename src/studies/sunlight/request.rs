@@ -234,7 +234,7 @@ impl SunlightRequest {
         let weather = match &self.weather {
             None => None,
             Some(path) => {
-                let request = ReplayRequest { about_weather: self.about_weather, ..ReplayRequest::of(path) };
+                let request = ReplayRequest { about_weather: self.about_weather, ..ReplayRequest::new(path) };
                 let weather = request.read_weather(resources, &mut || Ok(place))?;
                 request.tell_misfits(archives, &weather, resources.observer)?;
                 Some(weather)
@@ -274,7 +274,7 @@ impl SunlightRequest {
         let asked = are_used.then_some(self.dates.as_slice());
         let spans: Vec<&[DaySpan]> = rules.iter().map(|rule| rule.dates.as_slice()).chain(asked).collect();
         let plan = DayPlan::new(site, zone, self.year, &spans);
-        let sunny = weather.as_ref().map(|weather| SunnyHours::of(weather, offset));
+        let sunny = weather.as_ref().map(|weather| SunnyHours::new(weather, offset));
         if self.rules.is_empty() {
             let rows = self.rows(&plan);
             return Ok((plan, Asked::Dates(rows)));

@@ -57,7 +57,7 @@ fn by_name<S: Serializer>(settings: &BuildSettings, serializer: S) -> std::resul
 }
 
 impl LadderStep {
-    fn of(name: String, trial: &Trial, reference: &ReferenceSample, compress_s: f64, replay_s: f64) -> Self {
+    fn new(name: String, trial: &Trial, reference: &ReferenceSample, compress_s: f64, replay_s: f64) -> Self {
         let found = reference.accuracy(&trial.light, |_| 0);
         LadderStep {
             name,
@@ -97,7 +97,7 @@ const REFERENCE_PERCENT: f64 = 0.5;
 
 /// Returns the named qualities and some steps between them.
 fn rungs() -> Vec<(String, Rungs)> {
-    let named = |quality: Quality| (quality.name().to_string(), Rungs::of(quality));
+    let named = |quality: Quality| (quality.name().to_string(), Rungs::new(quality));
     let between = |sky, seen, bounced, patches| {
         (format!("sky {sky}, seen {seen}, bounced {bounced}"), Rungs { sky, seen, bounced, patches })
     };
@@ -119,7 +119,7 @@ impl LadderTable {
         let rungs = rungs();
         let progress = Stage::begin(bench.observer, "ladder", Some(rungs.len() as u64 + 1));
         let settings = |rungs: Rungs| BuildSettings { left_out, ..rungs.settings() };
-        let reference = ReferenceSample::of(bench, left_out, REFERENCE_PERCENT)?;
+        let reference = ReferenceSample::new(bench, left_out, REFERENCE_PERCENT)?;
         progress.advance(1);
         let mut steps = Vec::with_capacity(rungs.len());
         for (name, rungs) in rungs {
@@ -127,7 +127,7 @@ impl LadderTable {
             progress.advance(1);
             let (compress_s, replay_s) = (compression_s(&trial)?, replay_s(bench, &trial, suns)?);
             std::fs::remove_file(&trial.archive).map_err(Error::io(&trial.archive, "remove"))?;
-            steps.push(LadderStep::of(name, &trial, &reference, compress_s, replay_s));
+            steps.push(LadderStep::new(name, &trial, &reference, compress_s, replay_s));
         }
         drop(progress);
         for i in 0..steps.len() {
@@ -207,7 +207,7 @@ fn replay_s(bench: &Bench, trial: &Trial, suns: &ErrorConditions) -> Result<f64>
         storage: &storage,
         ..ReplaySettings::default()
     };
-    let replay = Replay::builder(&OpenSite::of(&archive)?, &conditions, settings).summed(&bins).build()?;
+    let replay = Replay::builder(&OpenSite::open(&archive)?, &conditions, settings).summed(&bins).build()?;
     for tile in replay.results(0..replay.tiles()) {
         tile?;
     }

@@ -99,7 +99,7 @@ const MAX_STEPS: usize = 60;
 /// Varies each setting alone, at the quality `fine` otherwise. Numbers of sun positions need a
 /// weather file.
 pub(super) fn each_alone(bench: &Bench, left_out: Effects, suns: &ErrorConditions) -> Result<Vec<SettingPoint>> {
-    let base = BuildSettings { left_out, ..Rungs::of(Quality::Fine).settings() };
+    let base = BuildSettings { left_out, ..Rungs::new(Quality::Fine).settings() };
     let progress = Stage::begin(bench.observer, "settings", None);
     let mut points = Vec::new();
     let trial = |settings: BuildSettings| {

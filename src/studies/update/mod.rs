@@ -215,7 +215,7 @@ impl UpdateRequest {
         resources: &Resources,
     ) -> Result<BuildReport> {
         let (manifest, observer) = (before.manifest(), resources.observer);
-        SiteSettings::of(&manifest.settings, before.path())?;
+        SiteSettings::new(&manifest.settings, before.path())?;
         if let Some(negligible) = &manifest.negligible {
             let left_out = manifest.settings.left_out.join(", ");
             observer.warn(format!(
@@ -229,7 +229,7 @@ impl UpdateRequest {
         let mut tiles = ReceiverTiles::from_receivers(receivers, scene.mesh.origin, &workspace.folder, budget)?;
         let prepared = PreparedScene::new(scene)?;
         let preview_percent = self.preview_percent;
-        let plan = Plan { preview_percent, ..Plan::of(BuildSettings::of(&manifest.settings)) };
+        let plan = Plan { preview_percent, ..Plan::new(BuildSettings::of(&manifest.settings)) };
         let output =
             Output { start: if self.fresh { Start::Fresh } else { Start::Resume }, ..Output::new(self.output.clone()) };
         let sources = ReusedArchives { earlier: None, before: Some(before) };

@@ -65,7 +65,7 @@ const USUAL_SPACING_M: f64 = 2.0;
 impl SceneStates<'_> {
     /// Returns the receivers of the archive that still get light, at their new positions.
     pub fn stay(&self, receivers: Vec<Receiver>) -> Result<UpdatedReceivers> {
-        let owners = Owners::of(self);
+        let owners = Owners::new(self);
         let mut found = UpdatedReceivers::default();
         let mut before: Vec<Viewpoint> = Vec::with_capacity(receivers.len());
         for mut receiver in receivers {
@@ -99,7 +99,7 @@ impl SceneStates<'_> {
         }
         let in_doubt: Vec<usize> = (0..now.len()).filter(|&i| is_free.get(i) == Some(&false)).collect();
         let then: Vec<Viewpoint> = in_doubt.iter().filter_map(|&i| before.get(i)).copied().collect();
-        let old = EditedScene::of(self.held).scene(self.held)?;
+        let old = EditedScene::new(self.held).scene(self.held)?;
         // Receivers without light before the edits stay in the archive.
         let was_free = free(&then, &old);
         let buried: BTreeSet<usize> = in_doubt.iter().zip(was_free).filter(|(_, was)| *was).map(|(i, _)| *i).collect();
@@ -214,7 +214,7 @@ struct Owners<'a> {
 }
 
 impl<'a> Owners<'a> {
-    fn of(states: &SceneStates<'a>) -> Self {
+    fn new(states: &SceneStates<'a>) -> Self {
         let (edited, held) = (states.edited, states.held);
         let mut by_name = HashMap::new();
         for (number, object) in (0..).zip(&held.objects.list) {
@@ -229,7 +229,7 @@ impl<'a> Owners<'a> {
         let near = (!triangles.is_empty()).then(|| {
             let mesh = Mesh::loose(held.grid, &triangles, around);
             let all: Vec<u32> = (0..triangles.len() as u32).collect();
-            (Tracer::of(&mesh, &all), objects)
+            (Tracer::of_triangles(&mesh, &all), objects)
         });
         Owners { edited, by_name, near }
     }

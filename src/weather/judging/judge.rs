@@ -183,7 +183,7 @@ fn all_judged(raw: &[RawRow], site: &Location) -> Judged {
 /// Checks the closure over rows for which nothing was filled in.
 fn closure(site: &Location, raw: &[RawRow], done: &Judged) -> Option<Closure> {
     let given = done.iter().zip(raw).filter(|(_, raw)| raw.dni.is_some() && raw.dhi.is_some());
-    Closure::of(site, given.map(|((row, _), _)| row))
+    Closure::new(site, given.map(|((row, _), _)| row))
 }
 
 /// Returns a row without gaps, and its findings. A gap at night is no finding, because nothing is

@@ -64,7 +64,7 @@ pub fn query(archive: &Path, conditions: &Path) {
         storage: &InMemory,
     };
     let whole = median_ms(|| {
-        let replay = Replay::new(&OpenSite::of(&archive).expect("a site"), &conditions, settings).expect("a replay");
+        let replay = Replay::new(&OpenSite::open(&archive).expect("a site"), &conditions, settings).expect("a replay");
         replay.run(0..replay.tiles()).expect("results");
     });
     let stored: Vec<Vec<u8>> = [format::RECEIVERS, format::SKY, format::RESPONSE]

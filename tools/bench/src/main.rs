@@ -27,7 +27,7 @@ fn hemispheres(site: &Site, tracer: &Tracer, n: usize, receivers: usize) -> Vec<
     let step = site.receivers.len() / receivers;
     let one = |&(p, normal): &(DVec3, DVec3)| {
         let origin = (p + normal * tracer.offset_m(p)).as_vec3().to_array();
-        let frame = Frame::of(normal);
+        let frame = Frame::new(normal);
         let ray = |(c, r)| {
             let d = frame.to_world(texel_direction(c, r, n, DVec2::splat(0.5)));
             Ray { origin, direction: d.as_vec3().to_array() }

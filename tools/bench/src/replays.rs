@@ -66,7 +66,7 @@ pub fn run(path: &Path, weather: &Path) {
     let anew = [Schedule { materials: vec![0], values: vec![0.31; conditions.len()] }];
     use Component::*;
     let all = ComponentSet::ALL;
-    let of = |components: &[Component]| ComponentSet::of(components);
+    let of = |components: &[Component]| ComponentSet::new(components);
     println!("{:34} {:>10} {:>14} {:>12} {:>9}", "", "set-up, s", "receivers/s", "us/receiver", "GFLOP/s");
     let (few, many) = (series.conditions(4), series.conditions(60));
     for (name, conditions, bins, components, schedules) in [
@@ -86,7 +86,7 @@ pub fn run(path: &Path, weather: &Path) {
         ("yearly sums, responses anew", &conditions, &year, all, &anew),
     ] {
         let settings = ReplaySettings { components, ..ReplaySettings::default() };
-        let site = OpenSite::of(&archive).expect("a site");
+        let site = OpenSite::open(&archive).expect("a site");
         let make = || {
             Replay::builder(&site, conditions, settings).summed(bins).scheduled(schedules).build().expect("a replay")
         };
@@ -121,7 +121,7 @@ pub fn run(path: &Path, weather: &Path) {
 
 /// What layers take from the bytes of their blocks to what a replay looks up, checksums, zstd and memory included.
 fn decoding(archive: &Archive) {
-    let site = OpenSite::of(archive).expect("a site");
+    let site = OpenSite::open(archive).expect("a site");
     let rows: Vec<usize> = (0..site.tiles()).map(|tile| site.tile_receivers(tile).expect("receivers").rows()).collect();
     let time = |name: &str, decode: &dyn Fn(u32, usize)| {
         let all = || rows.iter().enumerate().for_each(|(tile, rows)| decode(tile as u32, *rows));

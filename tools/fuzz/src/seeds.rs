@@ -180,7 +180,7 @@ pub fn write() {
     let workspace = Workspace { folder: folder.path().to_path_buf(), memory: MemoryBudget::new(1 << 27) };
     let prepared = PreparedScene::new(&scene).expect("a tree");
     let mut build = Build { scene: &prepared, receivers: &mut tiles, workspace: &workspace, observer: &Silent };
-    build.write(&Plan::of(settings), &Output::new(site.clone()), &ReusedArchives::default()).expect("an archive");
+    build.write(&Plan::new(settings), &Output::new(site.clone()), &ReusedArchives::default()).expect("an archive");
     let bytes = fs::read(&site).expect("read");
     seed("archive", &bytes);
     seed("sealed", &[&bytes[..SLOT_SIZE], &bytes[FIRST_BLOCK as usize..]].concat());

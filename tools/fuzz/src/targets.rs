@@ -167,7 +167,7 @@ fn read_all(path: &Path) {
     }
     let sunny = b"condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2\nnoon,180,40,700,100\n";
     let conditions = parse_conditions(Path::new("conditions.csv"), sunny).expect("a condition").conditions;
-    let Ok(site) = OpenSite::of(&archive) else { return };
+    let Ok(site) = OpenSite::open(&archive) else { return };
     for depth in [MaxBounces::All, MaxBounces::Count(1)] {
         let settings = ReplaySettings {
             sky: SkyModel::Perez,
@@ -319,7 +319,7 @@ fn sky(data: &[u8]) {
     let squares = SkyTexture::unpack(raw, count, base, fine);
     // Both ways to read a block agree.
     let bitmaps = SkyBitmap::unpack(raw, count, base, fine);
-    assert_eq!(bitmaps, squares.map(|all| all.iter().map(|square| SkyBitmap::of(square, base)).collect()));
+    assert_eq!(bitmaps, squares.map(|all| all.iter().map(|square| SkyBitmap::new(square, base)).collect()));
     assert!(bitmaps.is_none_or(|bitmaps| bitmaps.len() == count));
 }
 
@@ -469,7 +469,7 @@ fn ply(data: &[u8]) {
 fn site(data: &[u8]) {
     file("town.obj", OBJ);
     file("materials.toml", MATERIALS);
-    if let Ok(site) = SceneFiles::of(&[file("site.toml", data)], None)
+    if let Ok(site) = SceneFiles::new(&[file("site.toml", data)], None)
         && site.files().all(|file| file.ends_with("town.obj") || file.ends_with("materials.toml"))
     {
         let _ = Scene::load_site(&site);

@@ -91,7 +91,7 @@ impl Tracer {
     }
 
     /// Builds the tree of some triangles of the mesh.
-    pub fn of(mesh: &Mesh, triangles: &[u32]) -> Self {
+    pub fn of_triangles(mesh: &Mesh, triangles: &[u32]) -> Self {
         let lit_sides = LitSides::new(mesh.triangles.len());
         Tracer { tree: Tree::new(mesh, triangles), level: Level::best(), grid: mesh.grid(), lit_sides }
     }

@@ -114,7 +114,7 @@ impl Tree {
         let bvh = build_bvh2_from_tris(&boxed.collect::<Vec<_>>(), params, &mut Duration::default());
         let placed = bvh.primitive_indices.iter().map(|&i| ids[i as usize]);
         let triangles: Vec<EdgeTriangle> = placed.map(|id| EdgeTriangle::new(corners_of(id), id)).collect();
-        let tag = |t: &EdgeTriangle| FaceTag::of(mesh.normal(t.id as usize), mesh.triangle_material[t.id as usize]);
+        let tag = |t: &EdgeTriangle| FaceTag::new(mesh.normal(t.id as usize), mesh.triangle_material[t.id as usize]);
         let tags = triangles.iter().map(tag).collect();
         let bounds = bvh.nodes.first().map_or(Aabb::INVALID, |root| root.aabb);
         (Tree { nodes: widened(&bvh, pad), triangles, tags }, bounds)

@@ -35,7 +35,7 @@ table!(BandsTable, [BANDS]);
 impl BandsTable {
     /// Returns the table of stated values by band, for materials in the order of their rows; `None`
     /// where none states any.
-    pub fn of<'a>(materials: impl IntoIterator<Item = &'a BandOptics>) -> Option<Self> {
+    pub fn new<'a>(materials: impl IntoIterator<Item = &'a BandOptics>) -> Option<Self> {
         let mut table = BandsTable::default();
         for (material, optics) in (0..=u16::MAX).zip(materials) {
             let light = optics.all().map(|(property, band, value)| (property.code(), band.code(), value));
@@ -100,11 +100,11 @@ mod tests {
     use crate::site::bands::BandValues;
 
     fn known() -> BandsTable {
-        let leaf = BandValues::of(Band::Visible, 0.08).with(Band::Nir, 0.45);
+        let leaf = BandValues::new(Band::Visible, 0.08).with(Band::Nir, 0.45);
         let leaf = BandOptics { transmittance: leaf, ..BandOptics::default() };
-        let diffuse = BandValues::of(Band::Par, 0.5);
+        let diffuse = BandValues::new(Band::Par, 0.5);
         let wall = BandOptics { diffuse, emissivity: Some(0.875), ..BandOptics::default() };
-        BandsTable::of([&wall, &BandOptics::default(), &leaf]).expect("some are stated")
+        BandsTable::new([&wall, &BandOptics::default(), &leaf]).expect("some are stated")
     }
 
     /// Four values of three materials have the known 80 bytes and come back, each with its own
@@ -119,7 +119,7 @@ mod tests {
         assert_eq!(optics[2].transmittance.all().collect::<Vec<_>>(), [(Band::Visible, 0.08), (Band::Nir, 0.45)]);
         assert_eq!((optics[0].diffuse.stated(Band::Par), optics[0].emissivity), (Some(0.5), Some(0.875)));
         assert_eq!(optics[1], BandOptics::default());
-        assert!(table.optics(2).is_none() && BandsTable::of([&BandOptics::default()]).is_none());
+        assert!(table.optics(2).is_none() && BandsTable::new([&BandOptics::default()]).is_none());
     }
 
     /// Each of 8 values out of range is refused. Only an emissivity may have the longwave band.

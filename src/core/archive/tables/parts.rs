@@ -30,7 +30,7 @@ table!(PartsTable, [PARTS]);
 
 impl PartsTable {
     /// Returns the parts of receivers; `None` where nothing is known of any.
-    pub fn of<'a>(receivers: impl IntoIterator<Item = &'a Receiver>) -> Option<Self> {
+    pub fn new<'a>(receivers: impl IntoIterator<Item = &'a Receiver>) -> Option<Self> {
         let mut table = PartsTable::default();
         let mut known = false;
         for Receiver { part, .. } in receivers {
@@ -126,7 +126,7 @@ mod tests {
             receiver(["Core_ZN", "Office", "window", "Building", "Perimeter_bot_ZN_1_Wall_South_Window"]),
             receiver(["", "", "", "", ""]),
         ];
-        PartsTable::of(&receivers).expect("something is known")
+        PartsTable::new(&receivers).expect("something is known")
     }
 
     /// The known value has the known 156 bytes, so the layout of schema 1 is unchanged. It reads
@@ -146,7 +146,7 @@ mod tests {
         let parts = known().parts();
         assert_eq!(parts[0].texts()[..3], ["Core_ZN", "Office", "window"]);
         assert!(parts[1].is_empty());
-        assert_eq!(PartsTable::of(&[receiver([""; 5]), receiver([""; 5])]), None);
+        assert_eq!(PartsTable::new(&[receiver([""; 5]), receiver([""; 5])]), None);
     }
 
     /// A text of 1025 bytes and a column that is too short are refused on writing and, under right

@@ -180,7 +180,7 @@ mod tests {
                     let kind = (jitter(3 + i, (texel / 7) as u64).x * 3.0) as usize;
                     (0..kind * 2).for_each(|k| dense.set(texel % side * 2 + k % 2, texel / side * 2 + k / 2, true));
                 }
-                SkyBitmap::of(&dense, side)
+                SkyBitmap::new(&dense, side)
             };
             let skies: Vec<SkyBitmap> = (0..LANES as u64).map(sky).collect();
             let masks = SkyMasks::new(&planes, &normals, &skies);

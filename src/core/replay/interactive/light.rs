@@ -71,7 +71,7 @@ impl InteractiveLight {
             field[texel].iter_mut().zip(vector).for_each(|(sum, part)| *sum += part);
         };
         Sources::new(&circumsolar, sides.response).vectors(&mut add);
-        if let Some(sky) = SkyField::of(&skies, &grids.response) {
+        if let Some(sky) = SkyField::new(&skies, &grids.response) {
             sky.vectors(&grids.response, |bin, texel, vector| add(bin, texel, vector.to_array()));
         }
         let field: Vec<[f32; 3]> = field.into_iter().enumerate().map(|(t, vector)| in_frame_of(t, vector)).collect();

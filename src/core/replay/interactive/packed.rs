@@ -184,7 +184,7 @@ impl<'w> Packed<'w> {
 /// Returns the frames of the texels of an n x n response: axis n along the texel's direction, u and
 /// v across it.
 pub(super) fn frames(n: usize) -> Vec<Frame> {
-    texel_centres(n).into_iter().map(Frame::of).collect()
+    texel_centres(n).into_iter().map(Frame::new).collect()
 }
 
 /// Returns the parts of a vector along the direction of a texel and across it.

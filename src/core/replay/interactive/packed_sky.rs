@@ -214,7 +214,7 @@ mod tests {
                 };
                 let mut dense = BitSquare::new(fine);
                 (0..fine * fine).for_each(|i| dense.set(i % fine, i / fine, sky(i % fine, i / fine)));
-                let bitmap = SkyBitmap::of(&dense, base);
+                let bitmap = SkyBitmap::new(&dense, base);
                 let shape = Shape::new(145, 0, &bitmap);
                 let mut words = Vec::new();
                 pack(&bitmap, shape, &mut words);

@@ -56,10 +56,10 @@ impl<'a> InteractiveReplay<'a> {
             let what = "was built without diffuse reflections, so no reflectance can be changed";
             return Err(Error::input(site.path(), None, what, "build it with {effects} all"));
         }
-        let mirrors = (!site.orientations().is_empty()).then(|| MirrorTable::of(site));
+        let mirrors = (!site.orientations().is_empty()).then(|| MirrorTable::new(site));
         let mut responder = None;
         if !schedules.is_empty() {
-            let tables = Tables::of(site)?;
+            let tables = Tables::new(site)?;
             let reflectors = &tables.mirrors.reflectors;
             let lets_through: Vec<bool> = reflectors.iter().map(|r| r.transmittance.is_some()).collect();
             let kept = reflectors.iter().map(Reflector::variable).collect();
@@ -130,7 +130,7 @@ mod tests {
     fn off(name: &str, schedules: &[Schedule]) -> (usize, f64) {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/archives").join(name);
         let archive = Archive::open(&path).expect("an archive");
-        let site = OpenSite::of(&archive).expect("a site");
+        let site = OpenSite::open(&archive).expect("a site");
         let moments =
             InteractiveReplay::new(&site, 577, &[]).and_then(|kept| kept.reflecting(schedules)).expect("moments");
         let (mut compared, mut worst, mut largest) = (0, 0.0_f64, 0.0_f64);

@@ -127,7 +127,7 @@ impl Location {
     /// list is empty if the sun stays down.
     pub fn sunlit(&self, interval: &Interval, known: KnownSuns, steps: usize) -> Vec<DVec3> {
         let steps = steps.max(1);
-        let arc = SunArc::of(self, interval, known);
+        let arc = SunArc::new(self, interval, known);
         let pieces = arc.sunlit_pieces();
         let total: f64 = pieces.iter().map(|p| p.1 - p.0).sum();
         if total <= 0.0 {
@@ -153,7 +153,7 @@ impl Location {
 
     /// Returns the hours of an interval in which the sun's centre is up.
     pub fn sunlit_hours(&self, interval: &Interval, known: KnownSuns) -> f64 {
-        let pieces = SunArc::of(self, interval, known).sunlit_pieces();
+        let pieces = SunArc::new(self, interval, known).sunlit_pieces();
         pieces.iter().map(|(start, end)| end - start).sum::<f64>() / 60.0
     }
 
@@ -207,7 +207,7 @@ struct SunArc<'a> {
 }
 
 impl<'a> SunArc<'a> {
-    fn of(site: &'a Location, interval: &'a Interval, known: KnownSuns) -> Self {
+    fn new(site: &'a Location, interval: &'a Interval, known: KnownSuns) -> Self {
         SunArc { site, interval, known, parabola: OnceCell::new() }
     }
 
@@ -330,7 +330,7 @@ mod tests {
         let interval = |hour: f64| Interval { date: day, start_min: 60.0 * hour, end_min: 60.0 * hour + 60.0 };
         let rising = interval(6.0);
         let middle = site.sun(day, rising.middle_min());
-        let pieces = SunArc::of(&site, &rising, middle.into()).searched_pieces();
+        let pieces = SunArc::new(&site, &rising, middle.into()).searched_pieces();
         assert_eq!(pieces.len(), 1);
         let altitude = site.sun(day, pieces[0].0).z.asin().to_degrees();
         assert!(altitude.abs() < 1e-3, "{altitude}");
@@ -362,8 +362,8 @@ mod tests {
                     let interval = Interval { date, start_min, end_min: start_min + long_min };
                     let middle = site.sun(date, interval.middle_min());
                     let beside = [-long_min, long_min].map(|after| site.sun(date, interval.middle_min() + after));
-                    let arc = SunArc::of(&site, &interval, middle.into());
-                    let by_beside = SunArc::of(&site, &interval, KnownSuns { middle, beside: Some(beside) });
+                    let arc = SunArc::new(&site, &interval, middle.into());
+                    let by_beside = SunArc::new(&site, &interval, KnownSuns { middle, beside: Some(beside) });
                     for i in 0..=12 {
                         let minutes = start_min + long_min * f64::from(i) / 12.0;
                         let off = |arc: &SunArc| (arc.sun(minutes) - site.sun(date, minutes)).length().to_degrees();

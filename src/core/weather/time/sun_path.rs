@@ -41,7 +41,7 @@ pub struct SunPath {
 
 impl SunPath {
     /// Returns the paths over a place on [`DAYS`].
-    pub fn of(site: &Location) -> Self {
+    pub fn new(site: &Location) -> Self {
         SunPath::on(&DAYS, site)
     }
 
@@ -69,7 +69,7 @@ mod tests {
     /// deg within 0.6. At 52 S the midday sun is in the north.
     #[test]
     fn the_noon_sun_has_known_heights() {
-        let path = SunPath::of(&Location::new(52.0, 0.0, 0.0, 0.0).expect("a site"));
+        let path = SunPath::new(&Location::new(52.0, 0.0, 0.0, 0.0).expect("a site"));
         for (day, declination) in path.days.iter().zip([23.44, 0.0, -23.44]) {
             let highest = day.iter().map(|d| d.z.asin().to_degrees()).fold(-90.0, f64::max);
             assert!((highest - (38.0 + declination)).abs() < 0.3, "{highest}");
@@ -80,7 +80,7 @@ mod tests {
         let spread = noon.iter().map(|d| d.z.asin().to_degrees());
         let (low, high) = spread.fold((90.0, -90.0), |(l, h): (f64, f64), a| (l.min(a), h.max(a)));
         assert!((high - low - 46.9).abs() < 0.6, "{low} {high}");
-        let south = SunPath::of(&Location::new(-52.0, 0.0, 0.0, 0.0).expect("a site"));
+        let south = SunPath::new(&Location::new(-52.0, 0.0, 0.0, 0.0).expect("a site"));
         assert!(south.hours[12].iter().all(|d| d.y > 0.0));
     }
 

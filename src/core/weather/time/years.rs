@@ -22,7 +22,7 @@ pub enum Years {
 
 impl Years {
     /// Returns the kind of years of these dates, which are in the order of the file.
-    pub fn of(dates: impl IntoIterator<Item = Date>) -> Self {
+    pub fn new(dates: impl IntoIterator<Item = Date>) -> Self {
         let mut year_of_month = HashMap::new();
         let (mut before, mut years): (Option<Date>, _) = (None, Years::One);
         for date in dates {
@@ -55,7 +55,7 @@ mod tests {
     /// after 2008 is not.
     #[test]
     fn a_winter_over_the_new_year_has_two_years() {
-        let of = |dates: &[(i32, u32, u32)]| Years::of(dates.iter().filter_map(|&(y, m, d)| Date::new(y, m, d)));
+        let of = |dates: &[(i32, u32, u32)]| Years::new(dates.iter().filter_map(|&(y, m, d)| Date::new(y, m, d)));
         assert_eq!(of(&[(2018, 12, 30), (2018, 12, 31), (2019, 1, 1), (2019, 2, 1)]), Years::Several);
         assert_eq!(of(&[(2018, 12, 1), (2019, 1, 1)]), Years::Several);
         assert_eq!(of(&[(2008, 12, 31), (2007, 1, 1), (2007, 2, 1)]), Years::Typical);
@@ -66,7 +66,7 @@ mod tests {
     #[test]
     fn one_year_typical_and_mixed_years_are_told_apart() {
         let of = |months: &[(i32, u32)]| {
-            Years::of(months.iter().map(|&(year, month)| Date::new(year, month, 1).expect("a date")))
+            Years::new(months.iter().map(|&(year, month)| Date::new(year, month, 1).expect("a date")))
         };
         assert_eq!(of(&[(2019, 1), (2019, 12)]), Years::One);
         assert_eq!(of(&[(2007, 1), (2004, 2)]), Years::Typical);

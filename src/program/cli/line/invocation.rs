@@ -47,7 +47,7 @@ mod tests {
     fn entries(line: &str) -> Vec<(String, String)> {
         let matches = command_line().try_get_matches_from(line.split('|')).expect("a command line");
         let (name, inside) = matches.subcommand().expect("a command");
-        let command = Command::of(name).expect("a command");
+        let command = Command::by_name(name).expect("a command");
         provenance(command, &given(command, inside)).entries()
     }
 

@@ -74,8 +74,8 @@ fn cli_of(matches: &ArgMatches) -> Result<Cli, Error> {
 fn case_of(name: &str, inside: &ArgMatches) -> Option<Asked> {
     let of_group = inside
         .subcommand()
-        .and_then(|(last, inside)| cases::Command::of(&format!("{name} {last}")).map(|command| (command, inside)));
-    let (command, inside) = of_group.or_else(|| Some((cases::Command::of(name)?, inside)))?;
+        .and_then(|(last, inside)| cases::Command::by_name(&format!("{name} {last}")).map(|command| (command, inside)));
+    let (command, inside) = of_group.or_else(|| Some((cases::Command::by_name(name)?, inside)))?;
     Some(Asked::Case(command, given(command, inside)))
 }
 

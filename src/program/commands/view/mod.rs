@@ -36,7 +36,7 @@ pub fn run(args: &View, _: Provenance) -> Result<Outcome> {
         None => (Vec::new(), args.page.archive.clone()),
     };
     let archive = open_archive(&first, Access::Read)?;
-    OpenSite::of(&archive)?;
+    OpenSite::open(&archive)?;
     let mut page = match parts.is_empty() {
         true => ViewerPage::default().with_option("archive", server::ARCHIVE),
         false => ViewerPage::default().with_option("parts", PARTS),

@@ -98,7 +98,7 @@ impl Cadastre {
         let mut kinds: BTreeMap<String, u64> = BTreeMap::new();
         for receiver in receivers {
             let receiver = receiver?;
-            let envelope = Envelope::of(&receiver);
+            let envelope = Envelope::new(&receiver);
             if envelope == Envelope::Neither {
                 targets.push(Target::Nowhere);
                 *kinds.entry(receiver.part.kind).or_default() += 1;

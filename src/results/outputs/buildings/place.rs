@@ -17,7 +17,7 @@ pub enum Envelope {
 
 impl Envelope {
     /// Classifies a receiver by its kind, or by its tilt if no kind is stated.
-    pub fn of(receiver: &Receiver) -> Self {
+    pub fn new(receiver: &Receiver) -> Self {
         let up = receiver.normal.z;
         let upright = up.abs() <= ROOF_BELOW_Z;
         match receiver.part.kind.as_str() {
@@ -65,7 +65,7 @@ mod tests {
             let normal = DVec3::new(f64::sqrt(1.0 - up * up), 0.0, up);
             let mut receiver = Receiver::new("r".into(), DVec3::ZERO, normal);
             receiver.part.kind = kind.into();
-            assert_eq!(Envelope::of(&receiver), expected, "{kind} {up}");
+            assert_eq!(Envelope::new(&receiver), expected, "{kind} {up}");
         }
     }
 }

@@ -26,7 +26,7 @@ struct Outline {
 pub fn regions(normal: DVec3, patches: &[(DVec3, &Patch)]) -> Vec<usize> {
     let origin = patches.first().map_or(DVec3::ZERO, |(place, _)| *place);
     let outlines: Vec<Outline> =
-        patches.iter().map(|(place, patch)| Outline::of(normal, *place - origin, patch)).collect();
+        patches.iter().map(|(place, patch)| Outline::new(normal, *place - origin, patch)).collect();
     let mut parents: Vec<usize> = (0..patches.len()).collect();
     let mut order: Vec<usize> = parents.clone();
     order.sort_by(|a, b| outlines[*a].low.x.total_cmp(&outlines[*b].low.x));
@@ -65,8 +65,8 @@ fn root(parents: &mut [usize], mut i: usize) -> usize {
 }
 
 impl Outline {
-    fn of(normal: DVec3, place: DVec3, patch: &Patch) -> Self {
-        let Frame { u, v, .. } = Frame::of(normal);
+    fn new(normal: DVec3, place: DVec3, patch: &Patch) -> Self {
+        let Frame { u, v, .. } = Frame::new(normal);
         let flat = |corner: &[i32; 3]| {
             let corner = place * 1e3 + DVec3::from(corner.map(f64::from));
             DVec2::new(corner.dot(u), corner.dot(v))
@@ -134,7 +134,7 @@ mod tests {
         }
         let normal = DVec3::new(0.0, -0.8, 0.6);
         let steep = Patch::square(normal, 1.0);
-        let up = Frame::of(normal).v;
+        let up = Frame::new(normal).v;
         let patches = [DVec3::ZERO, up * 3.0, up, up * 2.0].map(|place| (place, &steep));
         assert_eq!(regions(normal, &patches), [0, 0, 0, 0]);
         assert!(regions(DVec3::Z, &[]).is_empty());

@@ -200,7 +200,7 @@ impl<'s> CityModelWriter<'s> {
     ) -> Result<()> {
         let shape: Fields = parsed(text)?;
         let kind = shape.text("type").unwrap_or_default();
-        let places = shape.get("boundaries").map_or(Ok(None), |boundaries| Faces::of(&kind, boundaries))?;
+        let places = shape.get("boundaries").map_or(Ok(None), |boundaries| Faces::new(&kind, boundaries))?;
         let places = places.map(|places| places.paths()).unwrap_or_default();
         // Paths of the faces that have sums.
         let mut lit: BTreeMap<Vec<u32>, &Means> = BTreeMap::new();
@@ -289,7 +289,7 @@ impl<'s> CityModelWriter<'s> {
 
 impl Faces {
     /// Reads the boundaries of a geometry; `None` if it has no faces of its own.
-    fn of(kind: &str, boundaries: &RawValue) -> Result<Option<Faces>> {
+    fn new(kind: &str, boundaries: &RawValue) -> Result<Option<Faces>> {
         Ok(match kind {
             "MultiSurface" | "CompositeSurface" => Some(Faces::Surfaces(parsed(boundaries)?)),
             "Solid" => Some(Faces::Shells(parsed(boundaries)?)),
@@ -362,7 +362,7 @@ mod tests {
 
     /// Returns sums of 1,000 kWh/m2 on 2 m2 for each of these faces of objects.
     fn sums(faces: &[(&str, &str)]) -> ModelSums {
-        let mut sums = ModelSums::new(&ComponentList::of(Component::Total), &[]);
+        let mut sums = ModelSums::new(&ComponentList::new(Component::Total), &[]);
         let mut values = TileValues::new(1, 1);
         values.row_mut(Component::Total, 0).fill(1000.0);
         for (object, face) in faces {

@@ -33,7 +33,7 @@ impl Grids {
     /// Groups receivers, which must come in the same order as their values. A receiver without the
     /// name selected by `by` is in a grid `site`. With [`By::Receiver`] a grid is an object: a
     /// room, a part of a building.
-    pub fn of(receivers: impl Iterator<Item = Result<Receiver>>, by: By) -> Result<Self> {
+    pub fn new(receivers: impl Iterator<Item = Result<Receiver>>, by: By) -> Result<Self> {
         let mut found: BTreeMap<String, (u32, u32)> = BTreeMap::new();
         let mut numbers = Vec::new();
         for receiver in receivers {
@@ -94,7 +94,7 @@ mod tests {
             receiver.part.object = object.into();
             Ok(receiver)
         });
-        let grids = Grids::of(receivers.into_iter(), By::Receiver).expect("grids");
+        let grids = Grids::new(receivers.into_iter(), By::Receiver).expect("grids");
         let told: Vec<_> =
             grids.list.iter().map(|grid| (grid.identifier.as_str(), grid.name.as_str(), grid.count)).collect();
         assert_eq!(told, [("Hall", "Hall", 1), ("b_c", "b/c", 2), ("hall_2", "hall", 1), ("site", "site", 1)]);

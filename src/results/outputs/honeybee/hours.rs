@@ -24,7 +24,7 @@ pub struct LitHours {
 impl LitHours {
     /// Returns the hours of conditions, which must be in order. An error names what Honeybee cannot
     /// hold, and what to do.
-    pub fn of(conditions: &[Condition]) -> Result<Self, (String, &'static str)> {
+    pub fn new(conditions: &[Condition]) -> Result<Self, (String, &'static str)> {
         let stamps = || conditions.iter().filter_map(|condition| condition.stamp);
         let hours = stamps().map(|stamp| stamp.hours).next().unwrap_or(1.0);
         let timestep = STEPS.into_iter().find(|steps| (f64::from(*steps) * hours - 1.0).abs() < 1e-9);
@@ -86,18 +86,18 @@ mod tests {
         for year in [2016, 2017] {
             let hours =
                 [(360.0, 0.0), (420.0, 5.0), (480.0, 9.0)].map(|(min, dhi)| condition(day(year, 3, 1), min, 1.0, dhi));
-            let hours = LitHours::of(&hours).expect("hours");
+            let hours = LitHours::new(&hours).expect("hours");
             assert_eq!((hours.timestep, hours.all[0], hours.lit.as_slice()), (1, 1422.0, &[1, 2][..]));
             assert_eq!(hours.text(), "1423\n1424\n");
         }
         let quarters = [0.0, 15.0].map(|min| condition(day(2017, 1, 1), min, 0.25, 1.0));
-        assert_eq!(LitHours::of(&quarters).expect("quarters").text(), "0\n0.25\n");
+        assert_eq!(LitHours::new(&quarters).expect("quarters").text(), "0\n0.25\n");
     }
 
     /// A leap day, steps of 7 minutes, an hour from 6:10 and two years are refused: 4 of 4.
     #[test]
     fn hours_outside_of_one_plain_year_are_refused() {
-        let refused = |conditions: &[Condition]| LitHours::of(conditions).expect_err("refused").0;
+        let refused = |conditions: &[Condition]| LitHours::new(conditions).expect_err("refused").0;
         assert_eq!(refused(&[condition(day(2016, 2, 29), 0.0, 1.0, 0.0)]), "29 February");
         assert!(refused(&[condition(day(2017, 1, 1), 0.0, 7.0 / 60.0, 0.0)]).contains("7 minutes"));
         assert!(refused(&[condition(day(2017, 1, 1), 370.0, 1.0, 0.0)]).contains("minute 370"));

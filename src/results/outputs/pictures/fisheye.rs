@@ -61,7 +61,7 @@ pub struct Overlay {
 
 /// Returns the picture as PNG.
 pub fn fisheye(view: &ReceiverView, overlay: &Overlay, provenance: &Provenance) -> Result<Vec<u8>> {
-    let disc = SkyDisc::of(view);
+    let disc = SkyDisc::new(view);
     let at = |x: f64, y: f64| SkyDisc::direction_at((x - CENTRE.0) / RADIUS, (CENTRE.1 - y) / RADIUS);
     let paint = |x: f64, y: f64| at(x, y).map_or(PAPER, |direction| colour_of(disc.seen(direction)));
     let mut canvas = Canvas::painted(SIZE.0, SIZE.1, paint);

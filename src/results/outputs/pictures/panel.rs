@@ -102,8 +102,8 @@ impl Radiances<'_> {
 
 /// Returns the panel as PNG. `maps` are the receiver's maps under one sun and sky.
 pub fn panel(view: &ReceiverView, maps: &[Map], sun: &PanelSun, north: North, about: &Provenance) -> Result<Vec<u8>> {
-    let frame = Frame::of(view.receiver.normal);
-    let (radiances, disc) = (Radiances { view, maps, frame }, SkyDisc::of(view));
+    let frame = Frame::new(view.receiver.normal);
+    let (radiances, disc) = (Radiances { view, maps, frame }, SkyDisc::new(view));
     let (width, height) = (3.0 * CELL.0, HEAD + 2.0 * CELL.1 + FOOT);
     let paint = |x: f64, y: f64| {
         let (column, row) = ((x / CELL.0).floor(), ((y - HEAD) / CELL.1).floor());
@@ -254,7 +254,7 @@ mod tests {
     /// and a view to the south has east on the left: 2 of 2.
     #[test]
     fn a_view_to_the_south_has_east_on_the_left() {
-        let south = Frame::of(-DVec3::Y);
+        let south = Frame::new(-DVec3::Y);
         for i in 0..300 {
             let d = direction_from_degrees(180.0 + f64::from(i % 17) * 10.0 - 80.0, f64::from(i % 13) * 13.0 - 78.0);
             let back = direction_at(&south, place_at(&south, d)).expect("in front");

@@ -62,8 +62,8 @@ impl Plot {
         let [width, height] = [width.clamp(MIN.0, MAX), height.clamp(MIN.1, MAX)].map(f64::from);
         let held = |point: &&(f64, f64)| Scale::holds(point.0, self.x.log) && Scale::holds(point.1, self.y.log);
         let all = || self.series.iter().flat_map(|series| &series.points).filter(held);
-        let x = Scale::of(all().map(|point| point.0), self.x.log);
-        let y = Scale::of(all().map(|point| point.1), self.y.log);
+        let x = Scale::new(all().map(|point| point.0), self.x.log);
+        let y = Scale::new(all().map(|point| point.1), self.y.log);
         let mut page = Svg::new(width, height);
         page.heading(&self.title, "");
         let coloured = || self.series.iter().zip(COLOURS.into_iter().cycle());

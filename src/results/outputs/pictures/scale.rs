@@ -52,7 +52,7 @@ impl Scale {
     }
 
     /// Returns the axis of values that it [holds](Scale::holds); without values, 0 to 1 or 1 to 10.
-    pub fn of(values: impl Iterator<Item = f64>, log: bool) -> Self {
+    pub fn new(values: impl Iterator<Item = f64>, log: bool) -> Self {
         let along = values.map(|v| if log { v.log10() } else { v });
         let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
         let (spread, size) = (high - low, low.abs().max(high.abs()));
@@ -115,7 +115,7 @@ mod tests {
     use super::*;
 
     fn words(values: &[f64], log: bool, most: usize) -> Vec<String> {
-        Scale::of(values.iter().copied(), log).ticks(most).into_iter().map(|(_, words)| words).collect()
+        Scale::new(values.iter().copied(), log).ticks(most).into_iter().map(|(_, words)| words).collect()
     }
 
     /// Ticks of 7 ranges are plain and round: decades of a logarithmic axis, 1-2-5 of a short one,
@@ -161,7 +161,7 @@ mod tests {
         ];
         for (values, log) in sets.into_iter().flat_map(|values| [(values, false), (values, true)]) {
             let values: Vec<f64> = values.iter().copied().filter(|v| Scale::holds(*v, log)).collect();
-            let scale = Scale::of(values.iter().copied(), log);
+            let scale = Scale::new(values.iter().copied(), log);
             let ticks = scale.ticks(8);
             assert!((1..=8).contains(&ticks.len()), "{values:?}: {ticks:?}");
             let shares = values.iter().map(|value| scale.share(*value)).chain(ticks.iter().map(|tick| tick.0));

@@ -50,7 +50,7 @@ pub struct SideHours {
 
 impl SideHours {
     /// Returns the light of irradiances by component, `[hour]`, W/m2.
-    pub fn of<'v>(component: impl Fn(Component) -> &'v [f32]) -> Self {
+    pub fn new<'v>(component: impl Fn(Component) -> &'v [f32]) -> Self {
         let both = |a: Component, b: Component| component(a).iter().zip(component(b)).map(|(a, b)| a + b).collect();
         SideHours {
             direct: both(Component::SunDirect, Component::SunMirrored),

@@ -84,7 +84,7 @@ fn planes(candidates: &[PlaceCandidate]) -> (Vec<Plane>, Vec<usize>) {
     for candidate in candidates {
         let of_face = of_face.entry((&candidate.building, &candidate.face)).or_default();
         let number = of_face.iter().copied().find(|&number| planes[number].holds(candidate)).unwrap_or_else(|| {
-            let (frame, origin) = (Frame::of(candidate.normal), candidate.position);
+            let (frame, origin) = (Frame::new(candidate.normal), candidate.position);
             planes.push(Plane { frame, origin, polygons: Vec::new(), squares: HashMap::new(), taken: Vec::new() });
             of_face.push(planes.len() - 1);
             planes.len() - 1
@@ -160,7 +160,7 @@ mod tests {
     /// brighter towards the east.
     fn roof(columns: usize) -> Vec<PlaceCandidate> {
         let normal = DVec3::new(0.0, -0.5, 0.75_f64.sqrt());
-        let Frame { u, v, .. } = Frame::of(normal);
+        let Frame { u, v, .. } = Frame::new(normal);
         let candidate = |column: usize, row: usize| PlaceCandidate {
             position: DVec3::new(100.0, 200.0, 10.0) + u * column as f64 + v * row as f64,
             normal,
@@ -190,7 +190,7 @@ mod tests {
         assert!(ends[0].starts_with(brightest) && ends.iter().all(|name| name.ends_with("/1") || name.ends_with("/2")));
         assert_eq!((names([3.0, 3.0], 99).len(), names([7.0, 1.0], 99).len(), names([1.0, 2.0], 2).len()), (2, 0, 2));
         let few = best_places(&all, [1.5, 1.5], 99);
-        let Frame { u, v, .. } = Frame::of(all[0].normal);
+        let Frame { u, v, .. } = Frame::new(all[0].normal);
         for (a, b) in few.iter().flat_map(|a| few.iter().map(move |b| (a, b))).filter(|(a, b)| a != b) {
             let apart = all[*a].position - all[*b].position;
             assert!(u.dot(apart).abs().max(v.dot(apart).abs()) >= 1.5 - 1e-9);
@@ -203,7 +203,7 @@ mod tests {
     fn no_module_reaches_over_a_gap() {
         let mut all = roof(3);
         assert_eq!(best_places(&all, [1.2, 1.0], 99).len(), 4);
-        let u = Frame::of(all[0].normal).u;
+        let u = Frame::new(all[0].normal).u;
         all[8..].iter_mut().for_each(|candidate| candidate.position += u * 0.3);
         assert!(best_places(&all, [1.2, 1.0], 99).is_empty());
         all.iter_mut().for_each(|candidate| candidate.patch = Patch::default());

@@ -60,7 +60,7 @@ pub struct MapColumns {
 impl MapColumns {
     /// Returns the columns of a table's layout; `every` is `None` for a query. Several hours or
     /// days are refused, and so are too many columns.
-    pub fn of(layout: &Layout, bins: &BinLabels, every: Option<Every>) -> Result<Self> {
+    pub fn new(layout: &Layout, bins: &BinLabels, every: Option<Every>) -> Result<Self> {
         let quantities = layout.quantities.as_slice();
         let wide = match (every, bins.len()) {
             (Some(Every::Hour | Every::Day), 1) => Wide::One,

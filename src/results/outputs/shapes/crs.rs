@@ -22,9 +22,9 @@ pub struct MapCrs {
 impl MapCrs {
     /// Returns the system of a place. Scenes are in metres. If the system is in feet, coordinates
     /// are converted to feet if that brings the scene nearer to the place that the archive states.
-    pub fn of(place: Option<&Place>, middle: DVec3) -> Self {
+    pub fn new(place: Option<&Place>, middle: DVec3) -> Self {
         let epsg = place.and_then(|place| place.epsg);
-        let system = epsg.and_then(|epsg| PlaneSystem::of(epsg).ok());
+        let system = epsg.and_then(|epsg| PlaneSystem::by_epsg(epsg).ok());
         let unit_m = match (&system, place) {
             (Some(system), Some(place)) => {
                 let off = |unit: f64| {
@@ -84,7 +84,7 @@ mod tests {
     #[test]
     fn latitudes_in_the_hague_are_those_of_proj() {
         let point = DVec3::new(80_474.8, 455_194.3, 7.0);
-        let hague = MapCrs::of(Some(&place(28992, 52.08, 4.3)), point);
+        let hague = MapCrs::new(Some(&place(28992, 52.08, 4.3)), point);
         assert_eq!(hague.coordinates(point), point.to_array());
         let [longitude, latitude, height] = hague.degrees(point).expect("degrees");
         assert!(
@@ -92,12 +92,12 @@ mod tests {
         );
         let foot = 1200.0 / 3937.0;
         let point = DVec3::new(998_114.0 * foot, 194_309.3 * foot, 7.0);
-        let york = MapCrs::of(Some(&place(2263, 40.7, -73.95)), point);
+        let york = MapCrs::new(Some(&place(2263, 40.7, -73.95)), point);
         assert!((york.coordinates(point)[0] - 998_114.0).abs() < 1e-6);
         for (crs, epsg) in [(hague, 28992), (york, 2263)] {
             assert_eq!(crs.projjson().expect("a definition")["id"]["code"], epsg);
         }
-        let none = MapCrs::of(None, point);
+        let none = MapCrs::new(None, point);
         assert!(none.projjson().is_none() && none.degrees(point).is_none() && !none.has_degrees());
     }
 }

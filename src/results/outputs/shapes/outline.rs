@@ -103,7 +103,7 @@ pub fn outlines(pieces: Vec<Piece>) -> Vec<MapPolygon> {
             continue;
         }
         let origin = piece.ring.first().copied().unwrap_or_default();
-        let plane = Plane { frame: Frame::of(piece.normal), origin, pieces: Vec::new() };
+        let plane = Plane { frame: Frame::new(piece.normal), origin, pieces: Vec::new() };
         if planes.len() < MAX_PLANES && plane.holds(&piece) {
             planes.push(Plane { pieces: vec![piece], ..plane });
         } else {
@@ -204,7 +204,7 @@ mod tests {
     /// tilted by 40 degrees; squares for which `there` is false are left out.
     fn roof(side: i32, there: impl Fn(i32, i32) -> bool) -> Vec<Piece> {
         let normal = DVec3::new(0.4, -0.5, 0.8).normalize();
-        let frame = Frame::of(normal);
+        let frame = Frame::new(normal);
         let origin = ORIGIN;
         let places = (0..side).flat_map(|i| (0..side).map(move |j| (i, j))).filter(|(i, j)| there(*i, *j));
         let piece = |(i, j): (i32, i32)| {
@@ -229,7 +229,7 @@ mod tests {
     fn squares_become_one_outline() {
         let whole = outlines(roof(10, |_, _| true));
         assert!(whole.len() == 1 && whole[0].corners().count() == 4, "{whole:?}");
-        let frame = Frame::of(DVec3::new(0.4, -0.5, 0.8).normalize());
+        let frame = Frame::new(DVec3::new(0.4, -0.5, 0.8).normalize());
         for corner in [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)] {
             let corner = ORIGIN + frame.to_world(DVec3::new(corner.0, corner.1, 0.0));
             let off = whole[0].corners().map(|found| (*found - corner).length()).fold(f64::INFINITY, f64::min);

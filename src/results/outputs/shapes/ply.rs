@@ -104,8 +104,8 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("map.ply");
         let (labels, by) = (BinLabels::words(vec!["total".into()]), By::Receiver);
-        let layout = Layout::of_components(BinKind::Sums, by, &ComponentList::of(Component::Total));
-        let columns = MapColumns::of(&layout, &labels, Some(Every::Total)).expect("columns");
+        let layout = Layout::of_components(BinKind::Sums, by, &ComponentList::new(Component::Total));
+        let columns = MapColumns::new(&layout, &labels, Some(Every::Total)).expect("columns");
         let mut spool = RowSpool::new(folder.path(), 1 << 20, &columns);
         for (number, polygon) in [(0.0, wall()), (1000.0, MapPolygon::point(DVec3::Z))] {
             let numbers = vec![number; columns.numbers.len()];

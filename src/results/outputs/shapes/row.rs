@@ -70,7 +70,7 @@ impl MapPolygon {
             return vec![[0, 1, 2]];
         }
         let (normal, first) = (self.normal(), corners.first().copied().unwrap_or_default());
-        let frame = heliotile_core::hemisphere::Frame::of(if normal == DVec3::ZERO { DVec3::Z } else { normal });
+        let frame = heliotile_core::hemisphere::Frame::new(if normal == DVec3::ZERO { DVec3::Z } else { normal });
         let flat: Vec<[f64; 2]> =
             corners.iter().map(|corner| frame.to_local(*corner - first)).map(|local| [local.x, local.y]).collect();
         let mut start = 0;

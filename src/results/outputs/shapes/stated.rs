@@ -40,7 +40,7 @@ pub struct StatedColumns {
 impl StatedColumns {
     /// Reads the attributes of the objects of some archives. `taken` are names that other columns
     /// have already.
-    pub fn of<'a>(archives: impl Iterator<Item = &'a Archive>, taken: &[String]) -> Result<Self> {
+    pub fn new<'a>(archives: impl Iterator<Item = &'a Archive>, taken: &[String]) -> Result<Self> {
         let mut objects: BTreeMap<String, (String, Map<String, Value>)> = BTreeMap::new();
         for archive in archives {
             for chunk in 0..archive.entries_of(format::OBJECTS).len() as u32 {

@@ -141,7 +141,7 @@ impl MapRequest<'_> {
         self.format.check(&self.crs, "output")?;
         match self.format {
             MapFormat::Pvd => Ok(MapColumns::of_places(self.layout)),
-            _ => MapColumns::of(self.layout, self.labels, self.every),
+            _ => MapColumns::new(self.layout, self.labels, self.every),
         }
     }
 }
@@ -168,7 +168,7 @@ impl<'a> MapWriter<'a> {
     pub fn create(request: MapRequest<'a>, shapes: PlaceShapes<'a>) -> Result<Self> {
         let columns = request.columns()?;
         let archives = request.archives.iter().copied().filter(|_| request.format.has_columns());
-        let stated = StatedColumns::of(archives, &columns.names())?;
+        let stated = StatedColumns::new(archives, &columns.names())?;
         let columns = columns.stating(&stated);
         let rows = RowSpool::new(&request.folder, request.memory_bytes, &columns);
         let series = match request.format {
@@ -196,7 +196,7 @@ impl<'a> MapWriter<'a> {
                         return Err(Error::defect(self.request.path, "map", "rows", what));
                     };
                     let polygons = polygons(&receiver).unwrap_or_else(|| vec![MapPolygon::point(receiver.position)]);
-                    let extent = Extent::of(&receiver, self.request.north);
+                    let extent = Extent::new(&receiver, self.request.north);
                     (receiver, extent, polygons)
                 }
             };

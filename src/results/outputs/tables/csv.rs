@@ -80,7 +80,7 @@ impl CsvTable {
                 continue;
             }
             let Some(values) = values.next() else { continue };
-            match (columns.last_mut(), BatchColumn::of(column, values)) {
+            match (columns.last_mut(), BatchColumn::new(column, values)) {
                 (Some(BatchColumn::Floats(all, before)), BatchColumn::Floats(one, digits)) if *before == digits => {
                     all.extend(one);
                 }
@@ -107,7 +107,7 @@ impl CsvTable {
 
 impl<'a> BatchColumn<'a> {
     /// Returns the values of a column that is not along steps.
-    fn of(column: &Column, values: &'a Values) -> Self {
+    fn new(column: &Column, values: &'a Values) -> Self {
         match (values, digits_of(column.kind)) {
             (Values::Texts(names), _) if column.along == Along::Places => BatchColumn::Names(names),
             (Values::Floats(floats), digits @ (Digits::Thousandths | Digits::Six)) => {

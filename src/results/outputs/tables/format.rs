@@ -89,7 +89,7 @@ impl Format {
 
     /// Returns the format of a name: `-` is CSV on standard output, otherwise the ending decides.
     /// Fails for an unknown ending.
-    pub fn of(path: &Path) -> Result<Self> {
+    pub fn by_ending(path: &Path) -> Result<Self> {
         Format::known(path).ok_or_else(|| Error::Unsupported {
             what: "ending of the output file".into(),
             found: format!("`{}`", path.display()),

@@ -163,7 +163,7 @@ fn layout() -> Layout {
 
 /// Returns the columns of one tile.
 fn two_of(values: &TileValues) -> PlaceValues<'_> {
-    PlaceValues::of(&[values], &[Component::Total, Component::SkyDirect])
+    PlaceValues::new(&[values], &[Component::Total, Component::SkyDirect])
 }
 
 /// Writes a file of 2 + 1 receivers x 48 labels.

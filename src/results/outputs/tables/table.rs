@@ -37,7 +37,8 @@ impl Table {
     /// CSV without `about` has no metadata file.
     pub fn create(path: &Path, columns: TableColumns, places: Places, about: Option<&Provenance>) -> Result<Self> {
         let columns = Arc::new(columns);
-        let to = Format::of(path)?.start(&TableRequest { path, columns: Arc::clone(&columns), places, about })?;
+        let to =
+            Format::by_ending(path)?.start(&TableRequest { path, columns: Arc::clone(&columns), places, about })?;
         let pending = empty(&columns);
         Ok(Table { to, path: path.to_path_buf(), columns, rows: 0, pending, waiting: 0 })
     }

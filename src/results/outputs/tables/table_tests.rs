@@ -82,7 +82,7 @@ pub(in crate::outputs) fn tile(first: usize, receivers: usize, labels: usize) ->
 
 /// Returns all columns of a tile.
 fn all_of(values: &TileValues) -> PlaceValues<'_> {
-    PlaceValues::of(&[values], &Component::ALL)
+    PlaceValues::new(&[values], &Component::ALL)
 }
 
 /// Two tiles (3 and 2 receivers x 30 labels) are read back from CSV with 150 rows in order, to the

@@ -39,7 +39,7 @@ impl Frame {
     }
 
     /// Returns the frame of a polygon whose first corner is the upper left one.
-    pub(in crate::formats) fn of(vertices: &[DVec3]) -> Option<Frame> {
+    pub(in crate::formats) fn new(vertices: &[DVec3]) -> Option<Frame> {
         let &[first, second, third, ..] = vertices else { return None };
         let normal = area_vector(vertices).normalize_or_zero();
         let level = normal.x.hypot(normal.y) <= LEVEL;

@@ -42,7 +42,7 @@ pub(in crate::formats) fn share(value: f64, name: &str, notes: &mut Notes) -> f6
 /// Returns a value for visible light; none if the model states none, or the same value as for all
 /// solar light.
 pub(in crate::formats) fn visible(value: Option<f64>, solar: f64) -> BandValues {
-    value.filter(|value| *value != solar).map_or(BandValues::default(), |value| BandValues::of(Band::Visible, value))
+    value.filter(|value| *value != solar).map_or(BandValues::default(), |value| BandValues::new(Band::Visible, value))
 }
 
 /// Materials that a model states.

@@ -53,7 +53,7 @@ pub(in crate::formats) fn facing_inwards(faces: &[Vec<&[DVec3]>]) -> Vec<usize> 
     if faces.len() > MAX_FACES {
         return Vec::new();
     }
-    let panels: Vec<Option<Panel>> = faces.iter().map(|rings| Panel::of(rings)).collect();
+    let panels: Vec<Option<Panel>> = faces.iter().map(|rings| Panel::new(rings)).collect();
     // One ray per face is enough to see that a room is as it should be.
     let first = LINES.get(..1).unwrap_or_default();
     let doubted = (0..panels.len()).any(|i| facing(&panels, i, first, 1) == Facing::In);
@@ -104,7 +104,7 @@ fn facing(panels: &[Option<Panel>], number: usize, lines: &[DVec3], agreed: usiz
 }
 
 impl Panel {
-    fn of(rings: &[&[DVec3]]) -> Option<Panel> {
+    fn new(rings: &[&[DVec3]]) -> Option<Panel> {
         let outline = *rings.first()?;
         let vector = area_vector(outline);
         let normal = vector.try_normalize()?;

@@ -77,7 +77,7 @@ impl Coordinates {
         let text = text.trim();
         let name = match &self.stated {
             Some((known, _)) if known == text => return Ok(()),
-            _ => SrsName::of(text),
+            _ => SrsName::parse(text),
         };
         match &self.stated {
             Some((_, known)) if known.epsg == name.epsg => Ok(()),
@@ -150,7 +150,7 @@ impl Coordinates {
         let (latitude, longitude) = order(name.longitude_first);
         let stated = Degrees { latitude, longitude };
         let is_certain = name.is_formal || name.longitude_first;
-        let swap = Swap::of(Some(epsg), self.scene, stated, is_certain);
+        let swap = Swap::new(Some(epsg), self.scene, stated, is_certain);
         let read = if swap.is_some() { stated.swapped() } else { stated };
         if !read.is_in_range() {
             let what = format!("the first corner has {stated} of EPSG:{epsg}");
@@ -182,7 +182,7 @@ impl Coordinates {
     fn of_plane(&mut self, epsg: u32, [a, b]: [f64; 2]) -> Way {
         let Some((_, name)) = self.stated.as_ref() else { return Way::Plain };
         let (stated_unit, is_formal) = (name.height_unit_m, name.is_formal);
-        let Ok(system) = PlaneSystem::of(epsg) else { return Way::Plain };
+        let Ok(system) = PlaneSystem::by_epsg(epsg) else { return Way::Plain };
         let unit_m = system.unit_m();
         let fits = |x: f64, y: f64| stretch(epsg, x, y).is_some_and(|stretch| stretch <= STRETCH);
         let by_register = is_northing_first(horizontal_part(epsg));

@@ -155,7 +155,7 @@ impl Scan<'_> {
         match name {
             "boundedBy" | "boundary" => self.surfaces(number),
             "lod" => {
-                let level = Lod::of(&self.xml.words()?);
+                let level = Lod::parse(&self.xml.words()?);
                 self.feature_mut(number, |feature| feature.lod = level);
                 Ok(())
             }
@@ -310,7 +310,7 @@ impl Scan<'_> {
 fn level_of(property: &str) -> Option<Option<Lod>> {
     let digits = property.strip_prefix("lod")?;
     let length = digits.bytes().take_while(u8::is_ascii_digit).count();
-    Lod::of(digits.get(..length)?).map(Some)
+    Lod::parse(digits.get(..length)?).map(Some)
 }
 
 fn is_surface(name: &str) -> bool {

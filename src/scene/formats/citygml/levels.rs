@@ -54,7 +54,7 @@ impl Levels {
         }
         let asked = reader.asked;
         // Level 4 is read only if it is asked for or is the only one.
-        let bounds = if asked.is_some() { [asked, None] } else { [Lod::of(OUTSIDE), None] };
+        let bounds = if asked.is_some() { [asked, None] } else { [Lod::parse(OUTSIDE), None] };
         let tries = if asked.is_some() { bounds.get(..1) } else { bounds.get(..) };
         let level =
             tries.unwrap_or_default().iter().find_map(|most| level_of(offers.iter().map(|offer| offer.lod), *most));

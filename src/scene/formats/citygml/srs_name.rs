@@ -22,7 +22,7 @@ impl SrsName {
     /// `http://www.opengis.net/def/crs/EPSG/0/25832`, and compound systems such as
     /// `urn:ogc:def:crs,crs:EPSG::25832,crs:EPSG::5783` or `EPSG:25832+5783`. Reads the names of
     /// German surveys, too: `urn:adv:crs:ETRS89_UTM32*DE_DHHN92_NH`.
-    pub(super) fn of(text: &str) -> SrsName {
+    pub(super) fn parse(text: &str) -> SrsName {
         let upper = text.to_ascii_uppercase();
         if upper.contains("CRS84") {
             return SrsName { epsg: Some(4326), longitude_first: true, ..SrsName::default() };
@@ -80,12 +80,14 @@ mod tests {
             ("local", None),
             ("EPSG", None),
         ] {
-            assert_eq!(SrsName::of(text).epsg, epsg, "{text}");
+            assert_eq!(SrsName::parse(text).epsg, epsg, "{text}");
         }
         let compound = "http://www.opengis.net/def/crs-compound?1=http://www.opengis.net/def/crs/EPSG/0/2263&2=http://www.opengis.net/def/crs/EPSG/0/8228";
-        let found = SrsName::of(compound);
+        let found = SrsName::parse(compound);
         assert_eq!((found.epsg, found.height_unit_m, found.is_formal), (Some(2263), Some(0.3048), true));
-        assert_eq!(SrsName::of("EPSG:2263+5703").height_unit_m, Some(1.0));
-        assert!(!SrsName::of("EPSG:25832").is_formal && SrsName::of("urn:ogc:def:crs:OGC:1.3:CRS84").longitude_first);
+        assert_eq!(SrsName::parse("EPSG:2263+5703").height_unit_m, Some(1.0));
+        assert!(
+            !SrsName::parse("EPSG:25832").is_formal && SrsName::parse("urn:ogc:def:crs:OGC:1.3:CRS84").longitude_first
+        );
     }
 }

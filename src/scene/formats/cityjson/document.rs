@@ -107,7 +107,7 @@ pub(in crate::formats) struct Lod {
 }
 
 impl Lod {
-    pub(in crate::formats) fn of(text: &str) -> Option<Lod> {
+    pub(in crate::formats) fn parse(text: &str) -> Option<Lod> {
         let (major, minor) = text.split_once('.').unwrap_or((text, "0"));
         Some(Lod { major: major.parse().ok()?, minor: minor.parse().ok()? })
     }
@@ -265,7 +265,7 @@ impl<'de> Deserialize<'de> for Lod {
             }
 
             fn visit_str<E: Error>(self, text: &str) -> Result<Lod, E> {
-                Lod::of(text.trim())
+                Lod::parse(text.trim())
                     .ok_or_else(|| E::invalid_value(serde::de::Unexpected::Str(&excerpt(text.as_bytes())), &self))
             }
 

@@ -25,7 +25,7 @@ impl Frame {
 
     /// Returns the transform of a document. It is required from version 1.1 on (CityJSON 1.1,
     /// section 4); in version 1.0 positions may be plain metres.
-    pub(super) fn of(document: &Document, file: &Path) -> Result<Frame> {
+    pub(super) fn new(document: &Document, file: &Path) -> Result<Frame> {
         let Some(transform) = &document.transform else {
             if document.version.0.starts_with("1.0") {
                 return Ok(Frame { scale: DVec3::ONE, translate: DVec3::ZERO });

@@ -55,7 +55,7 @@ pub(super) fn parse(bytes: &[u8], file: &Path, asked: &Asked) -> Result<Geometry
     }
     let mut document = refuse::document(bytes, file, None)?;
     refuse::other_kinds(&document, bytes, file, None)?;
-    let (header, geometry) = Header::of(&mut document, file)?;
+    let (header, geometry) = Header::new(&mut document, file)?;
     let mut reader = header.reader(file, asked, geometry);
     reader.add(&document)?;
     finish(reader)
@@ -65,7 +65,7 @@ pub(super) fn parse(bytes: &[u8], file: &Path, asked: &Asked) -> Result<Geometry
 fn answered(answer: Answer, file: &Path, asked: Option<Lod>) -> Result<Geometry> {
     let Answer { mut metadata, features } = answer;
     refuse::version(&metadata, file)?;
-    let (header, geometry) = Header::of(&mut metadata, file)?;
+    let (header, geometry) = Header::new(&mut metadata, file)?;
     let mut reader = header.reader(file, asked, geometry);
     for feature in &features {
         reader.add(feature)?;
@@ -91,7 +91,7 @@ fn sequence(bytes: &[u8], file: &Path, asked: Option<Lod>) -> Result<Geometry> {
     let (line, text) = lines.next().unwrap_or((1, b""));
     let mut first = refuse::document(text, file, Some(line))?;
     refuse::other_kinds(&first, text, file, Some(line))?;
-    let (header, geometry) = Header::of(&mut first, file)?;
+    let (header, geometry) = Header::new(&mut first, file)?;
     let mut reader = header.reader(file, asked, geometry);
     reader.line = Some(line);
     reader.add(&first)?;
@@ -112,12 +112,12 @@ struct Header<'a> {
 }
 
 impl<'a> Header<'a> {
-    fn of(document: &mut Document<'a>, file: &Path) -> Result<(Header<'a>, Geometry)> {
+    fn new(document: &mut Document<'a>, file: &Path) -> Result<(Header<'a>, Geometry)> {
         let mut geometry = Geometry::default();
         if let Some(text) = &document.reference_system {
             geometry.reference = frame::reference(&text.0, file, &mut geometry.warnings)?;
         }
-        let frame = Frame::of(document, file)?;
+        let frame = Frame::new(document, file)?;
         let templates = templates::prepare(std::mem::take(&mut document.templates))
             .map_err(|what| Error::input(file, None, what, MEND))?;
         Ok((Header { frame, templates }, geometry))
@@ -213,7 +213,7 @@ fn left_out(file: &Path, skipped: &[Error], mend: &str) -> Option<Message> {
 
 /// Returns the level of detail in a user's text.
 pub(super) fn level(text: &str, file: &Path) -> Result<Lod> {
-    Lod::of(text).ok_or_else(|| {
+    Lod::parse(text).ok_or_else(|| {
         let what = format!("level of detail `{}` is not a number", excerpt(text.as_bytes()));
         Error::input(file, None, what, "give a number such as 1, 1.3 or 2.2")
     })

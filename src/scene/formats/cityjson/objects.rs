@@ -100,7 +100,7 @@ impl<'h> Reader<'_, 'h> {
             document.objects.iter().map(|(id, object)| self.choose(&id.0, object, range)).collect();
         self.count_instances(&chosen)?;
         let parts = finest_parts(&document.objects, &chosen);
-        let parents = Parents::of(&document.objects);
+        let parents = Parents::new(&document.objects);
         let stating = document.objects.iter().filter(|(_, object)| !object.attributes.is_empty());
         let stated: HashMap<&str, &CityObject> = stating.map(|(id, object)| (id.0.as_ref(), object)).collect();
         for (((id, object), shapes), finest) in document.objects.iter().zip(chosen).zip(parts) {

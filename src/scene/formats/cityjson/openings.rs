@@ -48,7 +48,7 @@ pub(super) fn cut_openings(geometry: &mut Geometry) -> usize {
         if is_opening(geometry, face.number) {
             buildings.entry(building).or_default().openings.push(outline);
         } else if matches!(kind, Some(SurfaceKind::Wall | SurfaceKind::Roof))
-            && let Some(frame) = Frame::of(&outline)
+            && let Some(frame) = Frame::new(&outline)
         {
             let normal = frame.right().cross(frame.up());
             let (face, holes) = (face.number, rings.collect());

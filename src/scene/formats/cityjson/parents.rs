@@ -15,7 +15,7 @@ pub(super) struct Parents<'d>(HashMap<&'d str, &'d str>);
 impl<'d> Parents<'d> {
     /// Collects the parents. An object's own statement overrides that of an object that names it as
     /// a child; the first of several parents counts.
-    pub(super) fn of(objects: &'d [(Text, CityObject)]) -> Self {
+    pub(super) fn new(objects: &'d [(Text, CityObject)]) -> Self {
         let mut parents = HashMap::new();
         for (id, object) in objects {
             for child in object.children.iter().flatten() {

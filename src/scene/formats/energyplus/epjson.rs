@@ -84,7 +84,7 @@ impl<'de> Visitor<'de> for Classes<'_> {
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> std::result::Result<(), A::Error> {
         while let Some(class) = map.next_key::<String>()? {
-            match Layout::of(&class) {
+            match Layout::of_class(&class) {
                 Some(layout) => map.next_value_seed(Objects { model: self.0, layout })?,
                 None => map.next_value::<IgnoredAny>().map(drop)?,
             }

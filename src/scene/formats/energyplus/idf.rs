@@ -159,7 +159,7 @@ impl Reader<'_> {
             let what = "an object without a class begins here";
             return Err(Error::input(self.file, field.line, what, "write `Class, field, field;`"));
         }
-        let layout = std::str::from_utf8(field.text).ok().and_then(Layout::of);
+        let layout = std::str::from_utf8(field.text).ok().and_then(Layout::of_class);
         self.current = layout.map(|layout| Current {
             object: Object { layout, name: String::new(), line: field.line, fields: Vec::new(), vertices: Vec::new() },
             order: layout.order(self.version),

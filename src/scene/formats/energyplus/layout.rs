@@ -24,7 +24,7 @@ pub(super) struct Layout {
 
 impl Layout {
     /// Returns the layout of a class, whose name may be in any case.
-    pub(super) fn of(class: &str) -> Option<&'static Layout> {
+    pub(super) fn of_class(class: &str) -> Option<&'static Layout> {
         LAYOUTS.iter().find(|layout| layout.class.eq_ignore_ascii_case(class))
     }
 

@@ -73,7 +73,7 @@ impl<'m> Surfaces<'m> {
     ) -> Result<Surfaces<'m>> {
         let mut surfaces = Surfaces { list: Vec::new(), by_name: HashMap::new(), openings: HashMap::new() };
         for object in &model.objects {
-            if let Some(kind) = Kind::of(object) {
+            if let Some(kind) = Kind::new(object) {
                 surfaces.add_base(object, &kind, file, place, geometry, notes)?;
             }
         }
@@ -121,7 +121,7 @@ impl<'m> Surfaces<'m> {
                 notes.add("floors or roofs face the wrong way and are turned over", &object.name);
                 vertices.reverse();
             }
-            frame = Frame::of(&vertices);
+            frame = Frame::new(&vertices);
         } else {
             let rectangle = place.rectangle(object, file, Of::Zone(zone), kind.tilt_deg)?;
             vertices = rectangle.corners();
@@ -158,7 +158,7 @@ impl<'m> Surfaces<'m> {
         if object.layout.class == "FenestrationSurface:Detailed" {
             let corners = corners_of_four(object, file)?;
             vertices = place.vertices(&corners, Of::Zone(wall.object.text("zone_name")));
-            frame = Frame::of(&vertices);
+            frame = Frame::new(&vertices);
         } else {
             let number = |key| object.number_or(file, key, 0.0);
             let (x, z) = (number("starting_x_coordinate")?, number("starting_z_coordinate")?);
@@ -326,7 +326,7 @@ struct Kind {
 }
 
 impl Kind {
-    fn of(object: &Object) -> Option<Kind> {
+    fn new(object: &Object) -> Option<Kind> {
         let kind = |behind, what| Kind {
             behind,
             kind: match what {

@@ -52,7 +52,7 @@ pub(super) fn turn_outwards(list: &mut [Surface], notes: &mut Notes) {
 
 fn turn(surface: &mut Surface) {
     surface.vertices.reverse();
-    if let Some(frame) = Frame::of(&surface.vertices) {
+    if let Some(frame) = Frame::new(&surface.vertices) {
         surface.frame = frame;
     }
 }

@@ -210,7 +210,7 @@ impl<'a> Collector<'a> {
         let outlines = self.geometry.footprints.iter().flat_map(Footprint::rings).flatten().copied();
         let all = outlines.chain(self.geometry.vertices.iter().map(|vertex| vertex.truncate()));
         let bounds = all.fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |[low, high], p| [low.min(p), high.max(p)]);
-        let placing = Placing::of(self.file, &system, bounds, self.asked.system)?;
+        let placing = Placing::new(self.file, &system, bounds, self.asked.system)?;
         let place = |at: DVec2| {
             placing.to_metres.place(at).filter(|p| is_position(p.extend(0.0))).ok_or_else(|| {
                 let what =

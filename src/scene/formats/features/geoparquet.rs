@@ -32,7 +32,7 @@ pub(super) fn read(bytes: Vec<u8>, file: &Path, take: &mut TakeFeature) -> Resul
         let what = format!("the file cannot be read as Parquet: {}", excerpt(text.as_bytes()));
         Error::input(file, None, what, "download or export the file again: it is damaged or cut off")
     };
-    let mut budget = WorkBudget::of(bytes.len() as u64);
+    let mut budget = WorkBudget::new(bytes.len() as u64);
     let reader = SerializedFileReader::new(bytes::Bytes::from(bytes)).map_err(wrong)?;
     let metadata = reader.metadata().file_metadata();
     let geo = metadata.key_value_metadata().into_iter().flatten().find(|entry| entry.key == "geo");

@@ -192,7 +192,7 @@ fn polygons<P: HasXY>(rings: &[PolygonRing<P>], height: impl Fn(&P) -> f64) -> V
         let z = height(point);
         DVec3::new(point.x(), point.y(), if z > NO_DATA && z.is_finite() { z } else { 0.0 })
     };
-    let all: Vec<Ring> = rings.iter().map(|ring| Ring::of(ring.points().iter().map(corner).collect())).collect();
+    let all: Vec<Ring> = rings.iter().map(|ring| Ring::new(ring.points().iter().map(corner).collect())).collect();
     let mut holes: Vec<bool> = rings.iter().map(|ring| matches!(ring, PolygonRing::Inner(_))).collect();
     let is_homeless = |(ring, is_hole): (&Ring, &bool)| *is_hole && outline_of(ring, &all, &holes).is_none();
     if all.iter().zip(&holes).any(is_homeless) {
@@ -228,7 +228,7 @@ struct Ring {
 }
 
 impl Ring {
-    fn of(corners: Vec<DVec3>) -> Ring {
+    fn new(corners: Vec<DVec3>) -> Ring {
         let plan: Vec<DVec2> = corners.iter().map(|corner| corner.truncate()).collect();
         let none = [DVec2::INFINITY, DVec2::NEG_INFINITY];
         let [low, high] = plan.iter().fold(none, |[low, high], p| [low.min(*p), high.max(*p)]);

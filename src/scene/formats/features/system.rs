@@ -54,7 +54,7 @@ impl FeatureSystem {
 
     /// Returns the system of well-known text; other text gives an unknown system.
     pub(in crate::formats) fn of_text(text: &str) -> FeatureSystem {
-        let found = TextSystem::of(text).unwrap_or_default();
+        let found = TextSystem::parse(text).unwrap_or_default();
         let known = found.epsg.map(FeatureSystem::of_epsg).unwrap_or_default();
         FeatureSystem { axes: known.axes.or(found.axes), unit_m: found.plane_unit_m, ..known }
     }
@@ -94,7 +94,7 @@ pub(in crate::formats) struct Placing {
 impl Placing {
     /// Decides on a file with coordinates within `bounds`; `asked` is the EPSG number of the
     /// scene's system, if it has one.
-    pub(in crate::formats) fn of(
+    pub(in crate::formats) fn new(
         file: &Path,
         stated: &FeatureSystem,
         bounds: [DVec2; 2],
@@ -126,7 +126,7 @@ impl Placing {
         if is_degrees {
             let at = Degrees { latitude: middle.y, longitude: middle.x };
             let swap = match like_degrees {
-                true => Swap::of(stated.epsg, asked, at, !stated.is_order_open).filter(|_| like_swapped),
+                true => Swap::new(stated.epsg, asked, at, !stated.is_order_open).filter(|_| like_swapped),
                 false => Some(Swap::Impossible),
             };
             let doubt = swap.map(|swap| swap.sentence(if like_degrees { at } else { impossible(bounds) }));
@@ -140,7 +140,7 @@ impl Placing {
         }
         // A metre of Web Mercator is not a metre on the ground.
         if stated.epsg == Some(WEB_MAPS) && asked != Some(WEB_MAPS) {
-            let plane = PlaneSystem::of(WEB_MAPS).map_err(|why| unplaced(file, why, stated.epsg))?;
+            let plane = PlaneSystem::by_epsg(WEB_MAPS).map_err(|why| unplaced(file, why, stated.epsg))?;
             let place = plane.degrees(middle.x, middle.y);
             let (latitude, longitude) = place.ok_or_else(|| unplaced(file, Unplaced::Outside, stated.epsg))?;
             let system = to(None, longitude, latitude)?;

@@ -131,7 +131,7 @@ impl<'r> Buffers<'r> {
         let refuse = |what: String| Error::input(self.file, None, format!("accessor {index} {what}"), HINT);
         let accessor = self.root.accessors.get(index).ok_or_else(|| refuse("does not exist".into()))?;
         let Accessor { count, byte_offset, .. } = *accessor;
-        let kind = Kind::of(accessor.component_type).ok_or_else(|| {
+        let kind = Kind::by_code(accessor.component_type).ok_or_else(|| {
             refuse(format!("is of component type {}, which glTF 2.0 does not have", accessor.component_type))
         })?;
         let width = match accessor.shape.as_str() {
@@ -169,7 +169,7 @@ impl<'r> Buffers<'r> {
     /// and the indices of the values that they replace, below `count`.
     fn replaced(&self, index: usize, sparse: &Sparse, count: u64, size: u64) -> Result<Replaced<'_>> {
         let refuse = |what: String| Error::input(self.file, None, format!("accessor {index} {what}"), HINT);
-        let kind = sparse.indices.component_type.and_then(Kind::of);
+        let kind = sparse.indices.component_type.and_then(Kind::by_code);
         let Some(kind @ (Kind::U8 | Kind::U16 | Kind::U32)) = kind else {
             return Err(refuse("has sparse indices of a type that glTF 2.0 does not allow".into()));
         };
@@ -281,7 +281,7 @@ enum Kind {
 }
 
 impl Kind {
-    fn of(component_type: u32) -> Option<Kind> {
+    fn by_code(component_type: u32) -> Option<Kind> {
         Some(match component_type {
             5120 => Kind::I8,
             5121 => Kind::U8,

@@ -53,7 +53,7 @@ pub(super) fn parse(bytes: &[u8], file: &Path, asked: &Asked) -> Result<Geometry
         slots: Vec::new(),
         round: 0,
         triangles: 0,
-        budget: WorkBudget::of(bytes.len() as u64 + buffers.length()),
+        budget: WorkBudget::new(bytes.len() as u64 + buffers.length()),
         unmoved: (0, 0),
     };
     reader.geometry.warnings.extend(ignored.into_iter().map(Message::from));

@@ -60,7 +60,7 @@ impl<'d> Reader<'_, 'd> {
             .flat_map(|room| room.faces.iter().map(move |face| (Some(room), face)))
             .chain(model.orphaned_faces.iter().flatten().map(|face| (None, face)))
             .collect();
-        let mut rings: Vec<Rings> = faces.iter().map(|(_, face)| Rings::of(&face.geometry, self.metres)).collect();
+        let mut rings: Vec<Rings> = faces.iter().map(|(_, face)| Rings::new(&face.geometry, self.metres)).collect();
         let turned = self.turn_outwards(model, &mut rings);
         // Adiabatic faces back to back separate two rooms: they lie inside.
         let open = faces.iter().zip(&rings).enumerate();
@@ -83,11 +83,11 @@ impl<'d> Reader<'_, 'd> {
             self.indoors(room.indoor_shades.as_ref().map_or(0, Vec::len));
         }
         for window in model.orphaned_apertures.iter().flatten() {
-            let rings = Rings::of(&window.geometry, self.metres);
+            let rings = Rings::new(&window.geometry, self.metres);
             self.opening(None, window, window_of(window, true), &rings, true)?;
         }
         for door in model.orphaned_doors.iter().flatten() {
-            let rings = Rings::of(&door.geometry, self.metres);
+            let rings = Rings::new(&door.geometry, self.metres);
             self.opening(None, door, door_of(door, true), &rings, true)?;
         }
         self.shades(model.orphaned_shades.as_ref(), None)?;
@@ -120,7 +120,7 @@ impl<'d> Reader<'_, 'd> {
         let outwards = area_vector(&rings.outline);
         let mut outlines = Vec::new();
         for opening in face.apertures.iter().chain(&face.doors).flatten() {
-            let mut own = Rings::of(&opening.geometry, self.metres);
+            let mut own = Rings::new(&opening.geometry, self.metres);
             if area_vector(&own.outline).dot(outwards) < 0.0 {
                 if !is_turned {
                     self.writer.notes.add(TURNED_OPENINGS, &opening.identifier);
@@ -157,7 +157,7 @@ impl<'d> Reader<'_, 'd> {
         let windows = face.apertures.iter().flatten().map(|window| (window, window_of(window, in_wall)));
         let doors = face.doors.iter().flatten().map(|door| (door, door_of(door, in_wall)));
         let openings: Vec<(&Opening, Kind)> = windows.chain(doors).collect();
-        let frame = if rings.check(&mut self.writer.geometry) { Frame::of(&rings.outline) } else { None };
+        let frame = if rings.check(&mut self.writer.geometry) { Frame::new(&rings.outline) } else { None };
         let Some(frame) = frame else {
             // A degenerate face is left out, but its openings are kept.
             for ((opening, kind), rings) in openings.iter().zip(&outlines) {
@@ -211,7 +211,7 @@ impl<'d> Reader<'_, 'd> {
 
     fn shades(&mut self, shades: Option<&'d Vec<Shade>>, room: Option<&'d Room>) -> Result<()> {
         for shade in shades.into_iter().flatten() {
-            let rings = Rings::of(&shade.geometry, self.metres);
+            let rings = Rings::new(&shade.geometry, self.metres);
             if rings.check(&mut self.writer.geometry) {
                 let kind = Kind::Shade { detached: shade.is_detached };
                 let surface = Surface { identifier: &shade.identifier, kind, room, properties: &shade.properties };

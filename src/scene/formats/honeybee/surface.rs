@@ -85,7 +85,7 @@ pub(super) struct Rings {
 
 impl Rings {
     /// Returns the rings of a geometry, scaled by `metres`; the normal points where `plane` says.
-    pub(super) fn of(geometry: &Face3D, metres: f64) -> Rings {
+    pub(super) fn new(geometry: &Face3D, metres: f64) -> Rings {
         let ring = |points: &Vec<[f64; 3]>| points.iter().map(|&p| DVec3::from_array(p) * metres).collect();
         let mut outline: Vec<DVec3> = ring(&geometry.boundary);
         let normal = geometry.plane.as_ref().map_or(DVec3::ZERO, |plane| DVec3::from_array(plane.n));

@@ -122,7 +122,7 @@ pub struct HourKindErrors {
 }
 
 impl HourKindErrors {
-    fn of(found: &HoursFound, stated: Option<&Accuracy>) -> Self {
+    fn new(found: &HoursFound, stated: Option<&Accuracy>) -> Self {
         let (kind, mean_w_m2) = (found.kind.name(), found.mean_w_m2);
         let stated = stated.filter(|stated| stated.hours.iter().any(|hours| hours.hours == kind));
         let stated_percent = stated.map(|stated| percent(stated.expected_w_m2(&found.mix, mean_w_m2), mean_w_m2));
@@ -162,7 +162,7 @@ impl AuditReport {
         let stated_percent =
             stated.map(|stated| percent(stated.expected_w_m2(&mix_of(&audited.pairs), mean_w_m2), mean_w_m2));
         let hour_kinds: Vec<HourKindErrors> =
-            audited.hours.found().iter().map(|found| HourKindErrors::of(found, stated)).collect();
+            audited.hours.found().iter().map(|found| HourKindErrors::new(found, stated)).collect();
         let mut report = AuditReport {
             archive: archive.path().to_path_buf(),
             weather,

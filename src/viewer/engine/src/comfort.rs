@@ -81,7 +81,7 @@ impl ComfortAsk {
     /// Returns the air of the query's hours, with their labels.
     fn hours(&self, weather: Option<&LoadedWeather>) -> Result<Vec<(HourAir, String)>> {
         match self {
-            ComfortAsk::Moment { air, .. } => Ok(vec![(HourAir::of(air_of(*air, weather)?), air.label(weather))]),
+            ComfortAsk::Moment { air, .. } => Ok(vec![(HourAir::new(air_of(*air, weather)?), air.label(weather))]),
             ComfortAsk::Span { span, .. } => {
                 let loaded = weather.ok_or_else(no_weather)?;
                 loaded.expect_air()?;
@@ -135,7 +135,7 @@ pub struct PeopleValues {
 
 impl PeopleValues {
     /// Starts the numbers of a query. Returns an error if the air of one of its hours is not known.
-    pub fn of(
+    pub fn new(
         opened: &Opened,
         weather: Option<&LoadedWeather>,
         ask: &ComfortAsk,
@@ -244,7 +244,7 @@ impl PeopleValues {
 pub fn facts(air: &Air) -> Answer {
     Answer::of(json!({
         "temperature": air.dry_bulb_c,
-        "humidity": HourAir::of(*air).humidity_percent(),
+        "humidity": HourAir::new(*air).humidity_percent(),
         "wind": air.wind_m_s,
         "sky": air.sky_w_m2(),
     }))

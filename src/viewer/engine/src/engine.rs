@@ -126,7 +126,7 @@ impl Engine {
                 if day.as_ref().is_none_or(|(of, _)| *of != ask.day_of_year) {
                     let location = weather::location(weather.as_ref(), manifest.place)?;
                     let date = weather::date(weather.as_ref(), ask.day_of_year)?;
-                    *day = Some((ask.day_of_year, DayMinutes::of(&opened.site, &location, date)));
+                    *day = Some((ask.day_of_year, DayMinutes::new(&opened.site, &location, date)));
                 }
                 let none = || Failure::new(Kind::Other, "there is no day", "");
                 let (_, day) = day.as_ref().ok_or_else(none)?;
@@ -143,7 +143,7 @@ impl Engine {
                 let kept = if ask.light().is_some() { moment } else { span };
                 let felt = match kept.take().filter(|kept| kept.is_of(&ask)) {
                     Some(felt) => kept.insert(felt),
-                    None => kept.insert(PeopleValues::of(opened, weather.as_ref(), &ask)?),
+                    None => kept.insert(PeopleValues::new(opened, weather.as_ref(), &ask)?),
                 };
                 felt.tile(opened, people, tile, |tile| match (ask.light(), &ask) {
                     (Some(light), _) => {
@@ -182,14 +182,14 @@ impl Engine {
         if self.opened.is_some() {
             return Err(Failure::new(Kind::Other, "this engine has an archive", "start another one"));
         }
-        let opened = Opened::of(name, bytes)?;
+        let opened = Opened::new(name, bytes)?;
         let place = opened.archive.manifest().place;
         if beside.is_some_and(|beside| !beside.is_of(place.as_ref())) {
             let what =
                 place.map_or("the archive states no place".into(), |place| format!("the archive lies at {place}"));
             return Err(Failure::new(Kind::OtherPlace, what, ""));
         }
-        let site = Site::of(&opened, bytes);
+        let site = Site::new(&opened, bytes);
         self.opened = Some(opened);
         Ok(Answer::of(site))
     }
@@ -199,6 +199,6 @@ impl Engine {
 fn found<'p>(people: &'p mut Option<Option<People>>, opened: &Opened) -> Result<&'p mut Option<People>> {
     match people.take() {
         Some(known) => Ok(people.insert(known)),
-        None => Ok(people.insert(People::of(opened)?)),
+        None => Ok(people.insert(People::new(opened)?)),
     }
 }

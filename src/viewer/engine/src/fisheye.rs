@@ -23,7 +23,7 @@ pub fn fisheye(opened: &Opened, weather: Option<&LoadedWeather>, tile: u32, row:
         return Err(Failure::new(Kind::Other, format!("a disc of {side} points a side"), "ask for 1 to 2048"));
     }
     let view = ReceiverView::at(&opened.site, opened.tile(tile)?, row)?;
-    let disc = SkyDisc::of(&view);
+    let disc = SkyDisc::new(&view);
     let at = |i: usize| (i as f64 + 0.5) / side as f64 * 2.0 - 1.0;
     let class = |i: usize| match SkyDisc::direction_at(at(i % side), -at(i / side)) {
         None => 0,
@@ -34,7 +34,7 @@ pub fn fisheye(opened: &Opened, weather: Option<&LoadedWeather>, tile: u32, row:
     let mut points: Vec<f32> = Vec::new();
     // A site without a place has no paths.
     if let Ok(location) = location(weather, opened.archive.manifest().place) {
-        let (path, north) = (SunPath::of(&location), opened.site.north());
+        let (path, north) = (SunPath::new(&location), opened.site.north());
         let hours = path.hours.iter().enumerate().map(|(hour, line)| (hour.to_string(), line));
         let days = path.days.iter().zip(DAYS).map(|(line, (_, _, name))| (name.to_string(), line));
         for (label, line) in days.chain(hours) {

@@ -67,7 +67,7 @@ pub fn moment(opened: &Opened, weather: Option<&LoadedWeather>, light: Light, ch
 
 /// Returns the schedules of changes where no weather file gives dates.
 pub fn changed(opened: &Opened, changes: &Changes) -> Result<Vec<Schedule>> {
-    let changeable = Changeable::of(&opened.site, opened.archive.manifest());
+    let changeable = Changeable::new(&opened.site, opened.archive.manifest());
     changes.checked()?.undated(&changeable, 1, &no_files)
 }
 
@@ -99,7 +99,7 @@ pub fn span(
 /// Returns the schedules over rows of the weather file: the ground by month where the archive
 /// states it, then the changes.
 fn over(opened: &Opened, rows: &[WeatherRow], changes: &Changes) -> Result<Vec<Schedule>> {
-    let changeable = Changeable::of(&opened.site, opened.archive.manifest());
+    let changeable = Changeable::new(&opened.site, opened.archive.manifest());
     Ok(changes.checked()?.over(&changeable, rows, &no_files)?.0)
 }
 

@@ -30,7 +30,7 @@ impl From<AskedPlace> for ReceiverPlace {
 /// pairs that only the name makes.
 pub fn matched(before: Vec<AskedPlace>, after: Vec<AskedPlace>) -> Answer {
     let [before, after] = [before, after].map(|side| side.into_iter().map(ReceiverPlace::from).collect::<Vec<_>>());
-    let matching = ReceiverMatching::of(&before, &after);
+    let matching = ReceiverMatching::new(&before, &after);
     let mut partners = vec![NONE; after.len()];
     for pair in &matching.pairs {
         partners[pair.after] = pair.before as u32;

@@ -21,10 +21,10 @@ pub struct Opened {
 
 impl Opened {
     /// Opens the archive of the host, `bytes` long; `name` is its name in messages.
-    pub fn of(name: &str, bytes: u64) -> Result<Self, Failure> {
-        let archive = Archive::of(Path::new(name), HostBytes::new(bytes)).map_err(|error| refused(error, bytes))?;
+    pub fn new(name: &str, bytes: u64) -> Result<Self, Failure> {
+        let archive = Archive::new(Path::new(name), HostBytes::new(bytes)).map_err(|error| refused(error, bytes))?;
         let archive: &'static Archive = Box::leak(Box::new(archive));
-        let site = OpenSite::of(archive)?;
+        let site = OpenSite::open(archive)?;
         let mut before = 0;
         let firsts = archive.entries_of(RECEIVERS).iter().map(|entry| {
             let first = before;

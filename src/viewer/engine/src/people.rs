@@ -55,7 +55,7 @@ impl People {
     }
 
     /// Returns the people of an archive, or `None` if its receivers are not all planes of points.
-    pub fn of(opened: &Opened) -> Result<Option<Self>> {
+    pub fn new(opened: &Opened) -> Result<Option<Self>> {
         if !People::are_likely(opened)? {
             return Ok(None);
         }
@@ -65,7 +65,7 @@ impl People {
             receivers.extend(opened.site.tile_receivers(tile)?.receivers());
         }
         let names: Vec<String> = receivers.iter().map(|receiver| receiver.id.clone()).collect();
-        let Ok(points) = PersonPoints::of(receivers) else { return Ok(None) };
+        let Ok(points) = PersonPoints::new(receivers) else { return Ok(None) };
         let of_receiver = names.iter().filter_map(|name| {
             let (point, plane) = point_of(name);
             Some((points.number(point)?, plane))
@@ -149,7 +149,7 @@ fn below_uniform_sky(opened: &Opened) -> Result<Replay<'static>> {
     let settings = ReplaySettings {
         sky: SkyModel::Uniform,
         patches: opened.archive.manifest().settings.patches(),
-        components: ComponentSet::of(&[Component::SkyDirect]),
+        components: ComponentSet::new(&[Component::SkyDirect]),
         ..ReplaySettings::default()
     };
     Replay::builder(&opened.site, &[uniform_sky()], settings).build()

@@ -83,7 +83,7 @@ impl Recombinations {
                 let settings = ReplaySettings {
                     sky: sky_of(key.sky())?,
                     patches: opened.archive.manifest().settings.patches(),
-                    components: ComponentSet::of(&key.columns()?),
+                    components: ComponentSet::new(&key.columns()?),
                     ..ReplaySettings::default()
                 };
                 let Forced { conditions, bins, schedules } = force()?;

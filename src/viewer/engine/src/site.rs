@@ -115,7 +115,7 @@ pub struct Site {
 
 impl Site {
     /// Collects the facts of an archive of `bytes` bytes.
-    pub fn of(opened: &Opened, bytes: u64) -> Self {
+    pub fn new(opened: &Opened, bytes: u64) -> Self {
         let (archive, manifest) = (opened.archive, opened.archive.manifest());
         let slot = &archive.header().slot;
         let (materials, diffuse) = (opened.site.materials(), opened.site.settings().diffuse);

@@ -83,7 +83,7 @@ impl LoadedWeather {
     pub fn airs(&self, span: Span) -> Vec<HourAir> {
         let hours = self.weather.interval_hours;
         let rows = self.weather.rows.iter().enumerate().filter(|(_, row)| counts(span, row));
-        rows.map(|(i, _)| HourAir { hours, ..HourAir::of(self.weather.air.get(i).copied().unwrap_or_default()) })
+        rows.map(|(i, _)| HourAir { hours, ..HourAir::new(self.weather.air.get(i).copied().unwrap_or_default()) })
             .collect()
     }
 

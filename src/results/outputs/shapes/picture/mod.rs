@@ -257,7 +257,7 @@ mod tests {
 
     /// Returns axes whose y is `convergence_deg` degrees clockwise from true north.
     pub fn turned(convergence_deg: f64) -> North {
-        North::of(Some(&Place { latitude_deg: 52.0, longitude_deg: 4.0, convergence_deg, epsg: None }))
+        North::new(Some(&Place { latitude_deg: 52.0, longitude_deg: 4.0, convergence_deg, epsg: None }))
     }
 
     /// A site of 400 m x 100 m has its views one above the other, one of 100 m x 100 m side by
