@@ -132,10 +132,12 @@ impl Header {
                 }
                 [b"property", words @ ..] => {
                     let property = match words {
-                        [b"list", count, kind, name] => Kind::by_name(count).zip(Kind::by_name(kind)).map(|(count, kind)| {
-                            let name = String::from_utf8_lossy(name).into_owned();
-                            Property { name, kind, list: Some(count) }
-                        }),
+                        [b"list", count, kind, name] => {
+                            Kind::by_name(count).zip(Kind::by_name(kind)).map(|(count, kind)| {
+                                let name = String::from_utf8_lossy(name).into_owned();
+                                Property { name, kind, list: Some(count) }
+                            })
+                        }
                         [kind, name] => Kind::by_name(kind).map(|kind| {
                             let name = String::from_utf8_lossy(name).into_owned();
                             Property { name, kind, list: None }
