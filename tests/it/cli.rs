@@ -58,44 +58,17 @@ impl Folder {
         self.run("build scene.obj --materials materials.toml --receivers receivers.csv -o site.helio")
     }
 
-    /// Runs a command that must fail with exit code 2 and a message about every one of `parts`:
-    /// names of fields and files, values, and kinds as [`refusal`] gives them.
-    #[track_caller]
+    /// Runs a command that must fail with exit code 2 and a message that holds every one of
+    /// `parts`.
     pub fn refused(&self, arguments: &str, parts: &[&str]) {
-        let output = self.command(arguments).env("HELIOTILE_ERRORS", "json").output().expect("the program");
-        let found = refusal(&output);
-        record(arguments, parts, &found);
-        assert_eq!(output.status.code(), Some(2), "{arguments}: {found}");
+        let output = self.run(arguments);
+        let message = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{arguments}: {message}");
         for part in parts {
-            assert!(found.contains(part), "{arguments}: `{part}` is not in: {found}");
+            assert!(message.contains(part), "{arguments}: `{part}` is not in: {message}");
         }
-        assert!(!found.contains("panicked") && !found.contains("{command:"), "{found}");
+        assert!(!message.contains("panicked") && message.matches("to fix: ").count() <= 1, "{message}");
     }
-}
-
-/// Returns the kind and the problem of the error that ended a program, its fields, its file and its
-/// line, such as `input no-column a.csv line 3`; and on further lines its message.
-pub fn refusal(output: &Output) -> String {
-    let said = stderr(output);
-    let json = said.lines().rev().find_map(|line| serde_json::from_str::<serde_json::Value>(line).ok());
-    let Some(facts) = json else { return said };
-    let text = |name: &str| facts[name].as_str().unwrap_or_default().to_owned();
-    let fields: Vec<&str> =
-        facts["fields"].as_array().into_iter().flatten().filter_map(|field| field.as_str()).collect();
-    let line = facts["line"].as_u64().map_or(String::new(), |line| format!("line {line}"));
-    let about = [text("kind"), text("problem"), fields.join(" "), text("file"), line];
-    let about: Vec<String> = about.into_iter().filter(|word| !word.is_empty()).collect();
-    format!("{}\n{}\n{}", about.join(" "), text("message"), text("fix"))
-}
-
-#[track_caller]
-fn record(arguments: &str, parts: &[&str], found: &str) {
-    use std::io::Write as _;
-    let Some(path) = std::env::var_os("RECORD_REFUSALS") else { return };
-    let at = std::panic::Location::caller();
-    let line = serde_json::json!({"file": at.file(), "line": at.line(), "column": at.column(), "arguments": arguments, "parts": parts, "found": found});
-    let mut file = fs::OpenOptions::new().create(true).append(true).open(path).expect("a file");
-    writeln!(file, "{line}").expect("written");
 }
 
 pub fn stdout(output: &Output) -> String {
@@ -108,6 +81,43 @@ pub fn stderr(output: &Output) -> String {
 
 pub fn golden() -> PathBuf {
     Path::new(crate::ROOT).join("tests/data/weather/golden_3_days.epw")
+}
+
+/// Programs get errors as a line of JSON: kind, problem, and what it is about, 12 of 12; the same
+/// words as people, and the fix apart.
+#[test]
+fn errors_are_json_on_request() {
+    let folder = Folder::new();
+    folder.build();
+    folder.write("bad.csv", "condition,sun_azimuth_deg\nnoon,180\n");
+    folder.write("nan.csv", "receiver,x,y,z,nx,ny,nz\na,NaN,0,0,0,0,1\n");
+    for (arguments, kind, problem, about) in [
+        ("nothing", "usage", "invalid-subcommand", "nothing"),
+        ("info --nothing", "usage", "unknown-argument", "--nothing"),
+        ("build scene.obj --quality best", "usage", "invalid-value", "--quality"),
+        ("build scene.obj --error 0%", "usage", "value-validation", "--error"),
+        ("build scene.obj", "argument", "missing", "--receivers"),
+        ("build scene.obj -r receivers.csv -o a.helio --set nothing=1", "argument", "unknown", "set"),
+        ("build scene.obj -r nan.csv -o a.helio", "input", "other", "nan.csv"),
+        ("build scene.obj -r receivers.csv -o receivers.csv", "input", "same-file", "receivers.csv"),
+        ("replay site.helio --conditions bad.csv", "input", "no-column", "bad.csv"),
+        ("replay nowhere.helio --conditions conditions.csv", "missing-file", "", "nowhere.helio"),
+        ("replay site.helio --conditions conditions.csv -o a.xyz", "unsupported", "", ""),
+        ("replay scene.obj --conditions conditions.csv", "input", "other", "scene.obj"),
+    ] {
+        let words = folder.run(arguments);
+        let output = folder.command(arguments).env("HELIOTILE_ERRORS", "json").output().expect("the program");
+        assert_eq!(output.status.code(), Some(2), "{arguments}");
+        let said = stderr(&output);
+        let facts: serde_json::Value = serde_json::from_str(said.lines().last().unwrap_or_default()).expect(&said);
+        let text = |name: &str| facts[name].as_str().unwrap_or_default().to_owned();
+        assert_eq!((text("kind").as_str(), text("problem").as_str()), (kind, problem), "{arguments}: {said}");
+        let found = format!("{} {}", facts["fields"], text("file"));
+        assert!(found.contains(about), "{arguments}: {said}");
+        let first = text("message").lines().next().unwrap_or_default().to_owned();
+        assert!(stderr(&words).contains(&first) && !first.is_empty(), "{arguments}: {said}");
+        assert!(!first.contains("to fix"), "{arguments}: {said}");
+    }
 }
 
 /// Names of files are shown as they are, also those in braces that are names of options: of 2
