@@ -56,9 +56,9 @@ pub struct PlaneSystem {
     to: Proj,
 }
 
-/// Systems whose parameters in `crs-definitions` lead far from where PROJ 9.5 puts them: the Malayan
-/// grid in chains by 765 km, Fatu Iva 72 by 4.8 km. The next worst, of Korea and Macau, are up to 400
-/// m off.
+/// Systems whose parameters in `crs-definitions` lead far from where PROJ 9.5 puts them: the
+/// Malayan grid in chains by 765 km, Fatu Iva 72 by 4.8 km. The next worst, of Korea and Macau, are
+/// up to 400 m off.
 const MISPLACED: [u32; 2] = [3167, 3303];
 
 impl PlaneSystem {

@@ -283,7 +283,8 @@ impl Site {
     /// # use heliotile::{CompareRequest, FileRequest, ReplayRequest, Resources, Site};
     /// let before = Site::open("before.helio")?;
     /// let under = ReplayRequest::new("rotterdam.epw").into();
-    /// let request = CompareRequest { after: vec!["after.helio".into()], under, summary: None, unmatched: None };
+    /// let (after, summary) = (vec!["after.helio".into()], Some("gains.csv".into()));
+    /// let request = CompareRequest { after, under, summary, unmatched: None };
     /// let done = before.compare(&request, &FileRequest::new("change.csv"), &Resources::usual())?;
     /// println!("{}", done.text());
     /// # Ok(())
@@ -387,7 +388,7 @@ impl Site {
     /// # use heliotile::{Every, PlacesRequest, ReplayRequest, Resources, Site};
     /// let site = Site::open("site.helio")?;
     /// let year = ReplayRequest { every: Every::Year, ..ReplayRequest::new("rotterdam.epw") };
-    /// let best = PlacesRequest { output: "modules.csv".into(), best: 20, ..PlacesRequest::default() };
+    /// let best = PlacesRequest { output: "best.csv".into(), ..PlacesRequest::default() };
     /// println!("{} places", site.places(&year, &best, &Resources::usual())?.places);
     /// # Ok(())
     /// # }
@@ -410,7 +411,8 @@ impl Site {
     /// # fn main() -> heliotile::Result<()> {
     /// # use heliotile::{ComfortRequest, FileRequest, Resources, Site};
     /// let people = ComfortRequest::new("rotterdam.epw");
-    /// Site::open("square.helio")?.comfort(&people, &FileRequest::new("utci.csv"), &Resources::usual())?;
+    /// let site = Site::open("square.helio")?;
+    /// site.comfort(&people, &FileRequest::new("utci.csv"), &Resources::usual())?;
     /// # Ok(())
     /// # }
     /// ```
@@ -561,7 +563,8 @@ impl Site {
     /// ```no_run
     /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
     /// # use heliotile::{Resources, Site, UpdateRequest};
-    /// let mut request = UpdateRequest { output: "after.helio".into(), ..UpdateRequest::default() };
+    /// let mut request = UpdateRequest::default();
+    /// request.output = "after.helio".into();
     /// request.edits.heights.push("tower=+3m".parse()?);
     /// let (after, done) = Site::open("site.helio")?.update(&request, &Resources::usual())?;
     /// println!("{} receivers, {}", after.count(), done.text());

@@ -3,8 +3,8 @@
 use heliotile_core::named::NamedValues;
 use serde::{Deserialize, Serialize};
 
-/// Named rung of the accuracy ladder. [`Rungs::new`](crate::settings::Rungs::new) says which textures
-/// and cells it uses.
+/// Named rung of the accuracy ladder. [`Rungs::new`](crate::settings::Rungs::new) says which
+/// textures and cells it uses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 #[non_exhaustive]

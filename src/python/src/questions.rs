@@ -12,8 +12,8 @@ use heliotile::tables::{Cell, Records};
 use heliotile::{Provenance, Result, Site};
 
 /// Answers the question of a command, such as `write` or `glare`, for some receivers. Returns its
-/// summary as JSON: a sentence or null, numbers, the results of rules, or the rows and the text of a
-/// comparison.
+/// summary as JSON: a sentence or null, numbers, the results of rules, or the rows and the text of
+/// a comparison.
 #[pyfunction]
 #[pyo3(signature = (site, question, asked, receivers, progress))]
 pub fn ask(

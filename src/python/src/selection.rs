@@ -1,5 +1,5 @@
-//! Selections of receivers, as Python states them. In: ids, a file, names or a box. Out: selections of
-//! the library.
+//! Selections of receivers, as Python states them. In: ids, a file, names or a box. Out: selections
+//! of the library.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;

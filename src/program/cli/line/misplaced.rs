@@ -2,6 +2,7 @@
 //! arguments, or the end of the program with a message.
 
 use std::ffi::OsString;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
@@ -10,7 +11,6 @@ use clap::{ArgMatches, Command, FromArgMatches};
 use super::invocation::provenance;
 use super::report::report_usage;
 use crate::cli::{Asked, Cli, EverywhereArgs, command_line, command_line_with, given, named};
-use crate::commands::complain;
 use heliotile::Provenance;
 use heliotile::cases;
 
@@ -31,7 +31,8 @@ pub fn parse(words: &[OsString]) -> (Cli, Provenance) {
             error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![hint.into()]));
         }
         if let Some(said) = report_usage(&error) {
-            complain(&said);
+            // Nobody is left to tell if standard error is closed.
+            let _ = std::io::stderr().write_all(said.as_bytes());
             std::process::exit(error.exit_code());
         }
         error.exit()

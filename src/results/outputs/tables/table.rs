@@ -1,5 +1,5 @@
-//! Table in the format given by the ending of its name. In: columns, then batches of rows, or row by
-//! row. Out: a file, complete or not there.
+//! Table in the format given by the ending of its name. In: columns, then rows in batches or one by
+//! one. Out: a file, complete or not there.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
