@@ -96,7 +96,7 @@ pub use heliotile_energyplus::{EnergyplusRequest, Physics};
 pub use heliotile_requests as requests;
 pub use heliotile_results::{
     BandChoice, BandList, BinLabels, BuildingsRequest, By, ClassShare, ComfortChoice, ComfortColumn, ComfortRequest,
-    CompareRequest, ConditionSource, Every, FactorRows, FactorsRequest, FileRequest, Illumination, LightChoice,
+    CompareRequest, ConditionSource, Every, FactorRows, FactorsRequest, LightRequest, LightSource, OutputRequest,
     PageRequest, PartReceivers, PlaceOn, PlacesRequest, Posture, Provenance, QueryRequest, ReceiverChoice,
     ReplayRequest, Resources, SideHours, SkyChoice, SkyFiles, SunOnPerson, SurfaceTemperatures, Tile, TileSink,
     WindChoice,

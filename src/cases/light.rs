@@ -12,8 +12,8 @@ use heliotile_files::spill::parse_memory;
 use heliotile_requests::Request;
 use heliotile_results::outputs::tables::format::table_help;
 use heliotile_results::{
-    BuildingsRequest, ComfortRequest, CompareRequest, ConditionSource, Every, FactorsRequest, FileRequest,
-    Illumination, LightChoice, PlacesRequest, QueryRequest, ReplayRequest, Resources,
+    BuildingsRequest, ComfortRequest, CompareRequest, ConditionSource, Every, FactorsRequest, LightRequest,
+    LightSource, OutputRequest, PlacesRequest, QueryRequest, ReplayRequest, Resources,
 };
 use heliotile_studies::run::folder_beside;
 use heliotile_studies::{ComfortSiteRequest, GlareChoice, SunlightRequest};
@@ -54,7 +54,7 @@ impl UnderRequest {
     ///
     /// # Errors
     /// No light is given, or a sun and a sky without irradiance.
-    pub fn illumination(&self, replay: &ReplayRequest) -> Result<Illumination> {
+    pub fn illumination(&self, replay: &ReplayRequest) -> Result<LightSource> {
         let query = |conditions: ConditionSource| QueryRequest { light: replay.light.clone(), conditions }.into();
         match (&self.weather, &self.conditions, self.sun) {
             (Some(weather), ..) => {
@@ -88,7 +88,7 @@ pub struct Replay {
     pub site: SiteRequest,
     /// Files to write.
     #[field(flatten)]
-    pub files: FileRequest,
+    pub files: OutputRequest,
     /// Receivers that count.
     #[field(flatten)]
     pub receivers: SelectionRequest,
@@ -102,7 +102,7 @@ pub struct Replay {
 
 impl Replay {
     /// Returns the light under which the site is seen.
-    pub fn under(&self) -> Result<Illumination> {
+    pub fn under(&self) -> Result<LightSource> {
         self.under.illumination(&self.request)
     }
 }
@@ -118,7 +118,7 @@ pub struct Compare {
     pub after: Vec<PathBuf>,
     /// Files to write.
     #[field(flatten, without("model", "honeybee"))]
-    pub files: FileRequest,
+    pub files: OutputRequest,
     /// Receivers that count.
     #[field(flatten)]
     pub receivers: SelectionRequest,
@@ -144,7 +144,7 @@ pub struct Sunlight {
     pub site: SiteRequest,
     /// Files to write.
     #[field(flatten, without("model", "honeybee", "positions"))]
-    pub files: FileRequest,
+    pub files: OutputRequest,
     /// Receivers that count.
     #[field(flatten)]
     pub receivers: SelectionRequest,
@@ -161,7 +161,7 @@ pub struct Glare {
     pub site: SiteRequest,
     /// Files to write.
     #[field(flatten, without("model", "honeybee", "positions"))]
-    pub files: FileRequest,
+    pub files: OutputRequest,
     /// Receivers that count.
     #[field(flatten)]
     pub receivers: SelectionRequest,
@@ -241,7 +241,7 @@ pub struct Comfort {
     pub people: ComfortSiteRequest,
     /// Files to write.
     #[field(flatten, without("by", "positions", "model", "honeybee"))]
-    pub files: FileRequest,
+    pub files: OutputRequest,
     /// Weather, and what is computed.
     #[field(flatten, without("latitude", "longitude"))]
     pub request: ComfortRequest,
@@ -255,7 +255,7 @@ pub struct Comfort {
 pub struct PeopleOfSite {
     /// Files to write.
     #[field(flatten, without("by", "positions", "model", "honeybee"))]
-    pub files: FileRequest,
+    pub files: OutputRequest,
     /// Weather, and what is computed.
     #[field(flatten)]
     pub request: ComfortRequest,
@@ -279,7 +279,7 @@ impl Default for Compare {
         Compare {
             site: SiteRequest::default(),
             after: Vec::new(),
-            files: FileRequest::default(),
+            files: OutputRequest::default(),
             receivers: SelectionRequest::default(),
             under: UnderRequest::default(),
             request: ReplayRequest { every: Every::Total, ..ReplayRequest::default() },
@@ -308,7 +308,7 @@ impl Default for Glare {
         let dates = if dates.is_empty() { year } else { dates };
         Glare {
             site: SiteRequest::default(),
-            files: FileRequest::default(),
+            files: OutputRequest::default(),
             receivers: SelectionRequest::default(),
             request: SunlightRequest { dates, ..SunlightRequest::default() },
             every: None,
@@ -342,7 +342,7 @@ impl PeopleOfSite {
 
 /// Returns a replay of the totals over all hours.
 fn totals(replay: &ReplayRequest) -> ReplayRequest {
-    let light = LightChoice { columns: Some(ComponentList::new(Component::Total)), ..replay.light.clone() };
+    let light = LightRequest { columns: Some(ComponentList::new(Component::Total)), ..replay.light.clone() };
     ReplayRequest { light, every: Every::Total, ..replay.clone() }
 }
 

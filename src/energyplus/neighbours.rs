@@ -10,7 +10,7 @@ use super::document::Document;
 use super::new_object::{FieldValue, NewObject};
 use heliotile_core::site::material::{Class, Material};
 use heliotile_core::site::place::Place;
-use heliotile_scene::load::Soup;
+use heliotile_scene::load::ObjectTriangles;
 
 /// Decimals of coordinates in metres: a tenth of a millimetre.
 const DECIMALS: usize = 4;
@@ -54,7 +54,7 @@ impl Spot {
 impl Neighbours {
     /// Collects the obstructions of a soup as polygons. The triangles of a face that is convex
     /// become one polygon.
-    pub fn new(soup: &Soup, materials: &[Material], spot: Spot) -> Neighbours {
+    pub fn new(soup: &ObjectTriangles, materials: &[Material], spot: Spot) -> Neighbours {
         let mut found = Neighbours::default();
         let mut faces: BTreeMap<(u32, u16), Vec<[u32; 3]>> = BTreeMap::new();
         for (i, corners) in soup.triangles.iter().enumerate() {

@@ -16,7 +16,7 @@ use heliotile_core::sky::model::SkyModel;
 use heliotile_core::units::direction_from_degrees;
 use heliotile_core::weather::conditions::Condition;
 use heliotile_results::SkyChoice;
-use heliotile_results::{LightChoice, ReceiverSet, Resources, Series, TileStream};
+use heliotile_results::{LightRequest, ReceiverSet, Resources, Series, TileStream};
 
 /// DNI that sun tables stand for, and DHI that the sky values stand for, W/m2.
 pub const NOMINAL_W_M2: f64 = 1000.0;
@@ -135,7 +135,8 @@ fn surface_means(
 ) -> Result<Vec<Means>> {
     let count = conditions.len();
     let (receivers, series) = (ReceiverSet::all_of(archive)?, Series::over_ground(conditions, ground));
-    let light = LightChoice { sky: SkyChoice::Model(asked.sky.model()), paths: asked.paths, ..LightChoice::default() };
+    let light =
+        LightRequest { sky: SkyChoice::Model(asked.sky.model()), paths: asked.paths, ..LightRequest::default() };
     let stream = TileStream { receivers: &receivers, light: &light, series: &series, resources: asked.resources };
     let mut found: BTreeMap<String, Means> = BTreeMap::new();
     let mut rows = receivers.receivers();

@@ -14,7 +14,7 @@ const UPRIGHT: f64 = 0.5;
 
 /// Mean shares of the hemisphere, by area, in which receivers meet nothing.
 #[derive(Default)]
-struct Lost {
+struct HorizonGaps {
     walls: Mean,
     all: Mean,
 }
@@ -48,7 +48,7 @@ impl Mean {
 /// Returns a sentence with the share of their hemisphere in which walls, or receivers if there are
 /// no walls, see nothing; `None` if that share is below 1 %.
 pub fn black_below_horizon(archive: &Archive) -> Result<Option<Message>> {
-    let mut lost = Lost::default();
+    let mut lost = HorizonGaps::default();
     archive.expect_all(format::RECEIVERS);
     for tile in 0..archive.tiles() {
         let table = tables::ReceiversTable::from_block(&Blocks::block(archive, format::RECEIVERS, TileNumber(tile))?)?;

@@ -5,13 +5,13 @@
 //!
 //! | room | what it holds |
 //! | --- | --- |
-//! | `request` | [`QueryRequest`], [`ReplayRequest`], [`LightChoice`]: what a user asks for |
+//! | `request` | [`QueryRequest`], [`ReplayRequest`], [`LightRequest`]: what a user asks for |
 //! | `archives`, `receivers` | one archive or those of an atlas, and their chosen receivers |
 //! | `bands` | [`BandChoice`]: light by band, in columns that follow those of all light |
 //! | `own_skies` | [`SkyFiles`]: skies and clouds from files, put into conditions |
 //! | `series` | conditions with labels, and coarser periods of them |
 //! | `stream` | [`TileStream`], the only setup of replays; [`TileSink`] takes the tiles |
-//! | `files` | [`FileRequest`]: tables, maps, charts, city models and Honeybee folders as sinks |
+//! | `files` | [`OutputRequest`]: tables, maps, charts, city models and Honeybee folders as sinks |
 //! | `compare` | [`CompareRequest`]: the light that a change of a site adds or takes |
 //! | `buildings`, `places`, `factors` | cadastre, places of modules, factors by sun position |
 //! | `sky_components` | light of an overcast sky in percent of open ground |
@@ -54,17 +54,17 @@ pub use comfort::{
     WindChoice,
 };
 pub use compare::{
-    BeforeSide, CompareRequest, CompareSummary, Illumination, LOSSES_PERCENT, LossCounts, VariantSummary,
+    BeforeSide, CompareRequest, CompareSummary, LOSSES_PERCENT, LightSource, LossCounts, VariantSummary,
 };
 pub use factors::{FactorRows, FactorsRequest};
 pub use files::{
-    AreaChart, CityModelSink, FileRequest, MapFile, Question, ResultSink, RowsAbout, crs_of, name_of, rows_of,
+    AreaChart, CityModelSink, MapFile, OutputRequest, Question, ResultSink, RowsAbout, crs_of, name_of, rows_of,
     surroundings,
 };
 pub use own_skies::{SkyChoice, SkyFiles};
 pub use places::{PlaceOn, PlacesRequest, PlacesSummary};
 pub use receivers::{PartReceivers, ReceiverChoice, ReceiverSet, TileReceivers};
-pub use request::{ConditionSource, LightChoice, QueryRequest, ReplayRequest};
+pub use request::{ConditionSource, LightRequest, QueryRequest, ReplayRequest};
 pub use resources::Resources;
 pub use series::Series;
 pub use sky_components::SkyComponents;

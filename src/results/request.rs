@@ -28,7 +28,7 @@ use heliotile_weather::temperatures::Temperature;
 
 /// Light that counts, and changes of its reflectances and transmittances.
 #[derive(Clone, Debug, Request)]
-pub struct LightChoice {
+pub struct LightRequest {
     /// Columns to write, in this order, such as total,sun_direct. sun_reflected and sky_reflected
     /// can be split by the kind of surface that the receiver sees, as in sun_reflected_ground and
     /// sun_reflected_obstruction; `replay` also has longwave [default: the six components and their
@@ -60,15 +60,15 @@ pub struct LightChoice {
     pub changes: Changes,
 }
 
-impl Default for LightChoice {
+impl Default for LightRequest {
     fn default() -> Self {
         let (sky, paths, changes) = (SkyChoice::default(), LightPaths::ALL, Changes::default());
         let (sky_files, bands, bounces) = (Box::default(), Box::default(), MaxBounces::All);
-        LightChoice { columns: None, bands, sky, sky_files, patches: None, bounces, paths, changes }
+        LightRequest { columns: None, bands, sky, sky_files, patches: None, bounces, paths, changes }
     }
 }
 
-impl LightChoice {
+impl LightRequest {
     /// Returns the chosen columns, or the six components and their total if none are chosen,
     /// followed by the columns of bands.
     pub fn columns(&self) -> ComponentList {
@@ -90,7 +90,7 @@ impl LightChoice {
     #[must_use]
     pub fn only(&self, columns: ComponentList) -> Self {
         let bands = Box::new(BandList { columns: Vec::new(), ..*self.bands.clone() });
-        LightChoice { columns: Some(columns), bands, ..self.clone() }
+        LightRequest { columns: Some(columns), bands, ..self.clone() }
     }
 
     /// Returns the files that the light depends on: schedules of reflectances and transmittances,
@@ -141,7 +141,7 @@ impl LightChoice {
 pub struct QueryRequest {
     /// Light that counts.
     #[field(flatten)]
-    pub light: LightChoice,
+    pub light: LightRequest,
     /// Table of suns and skies, CSV: condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2;
     /// azimuths are clockwise from true north.
     #[field(short = 'c', input = Conditions, required)]
@@ -180,7 +180,7 @@ impl From<Vec<Condition>> for ConditionSource {
 pub struct ReplayRequest {
     /// Light that counts.
     #[field(flatten)]
-    pub light: LightChoice,
+    pub light: LightRequest,
     /// Weather file: EPW, TMY3, WEA, SURFRAD, CSV or JSON of a service (NSRDB, PVGIS, Open-Meteo,
     /// Solcast), or any CSV or JSON with `time` and some of ghi, dni, dhi; also packed (.gz, .zip).
     #[field(short = 'w', input = Weather, required)]
@@ -236,7 +236,7 @@ pub const MAX_STEPS: usize = 60;
 impl QueryRequest {
     /// Returns a query with the usual light: a table of conditions, or conditions in memory.
     pub fn new(conditions: impl Into<ConditionSource>) -> Self {
-        QueryRequest { light: LightChoice::default(), conditions: conditions.into() }
+        QueryRequest { light: LightRequest::default(), conditions: conditions.into() }
     }
 
     /// Returns the files that the request reads besides archives.
@@ -260,7 +260,7 @@ impl ReplayRequest {
     /// intervals.
     pub fn new(weather: impl Into<PathBuf>) -> Self {
         ReplayRequest {
-            light: LightChoice::default(),
+            light: LightRequest::default(),
             weather: weather.into(),
             about_weather: WeatherOptions::default(),
             every: Every::Hour,

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use super::archives::Archives;
 use super::receivers::{PartReceivers, ReceiverSet};
-use super::request::LightChoice;
+use super::request::LightRequest;
 use super::resources::Resources;
 use super::series::{Coarsening, Series};
 use crate::outputs::provenance::Provenance;
@@ -23,7 +23,7 @@ use heliotile_core::replay::values::TileValues;
 /// Number of tiles of the next archive that are fetched while the current one is computed.
 const AHEAD: usize = 64;
 
-impl LightChoice {
+impl LightRequest {
     /// Returns the number of sky patches for an archive.
     pub fn patches_of(&self, archive: &Archive) -> usize {
         self.patches.unwrap_or_else(|| archive.manifest().settings.patches())
@@ -36,7 +36,7 @@ pub struct TileStream<'a> {
     /// Receivers, and the archives that hold them.
     pub receivers: &'a ReceiverSet<'a>,
     /// Light that counts.
-    pub light: &'a LightChoice,
+    pub light: &'a LightRequest,
     /// Suns and skies.
     pub series: &'a Series,
     /// Resources that the computation may use.

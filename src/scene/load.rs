@@ -12,7 +12,7 @@ use crate::coordinate::is_position;
 use crate::footprints::ground_below::GroundBelow;
 use crate::footprints::raised::{FootprintFile, raise};
 use crate::formats;
-use crate::formats::{Asked, Content};
+use crate::formats::{Content, ReadOptions};
 use crate::geometry::{Geometry, Names};
 use crate::ground::endless::EndlessGround;
 use crate::ground::found::{DETACHED_M, lies_free, surrounds};
@@ -36,7 +36,7 @@ use crate::terrain::focus::Focus;
 use crate::terrain::mosaic::{Tile, joined};
 use crate::terrain::raster::Raster;
 use crate::terrain::surface;
-use crate::terrain::surface::{Wanted, surface};
+use crate::terrain::surface::{RasterOptions, surface};
 use crate::{LoadReport, Scene, contested_warning, count_uses, rank_by_name};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::ground::MonthlyGround;
@@ -51,7 +51,7 @@ const MAX_REASONS: usize = 2;
 
 /// Triangles of a scene in the order of its files, each with the object it is a part of.
 #[derive(Debug, Default)]
-pub struct Soup {
+pub struct ObjectTriangles {
     /// Positions in input coordinates, metres.
     pub positions: Vec<DVec3>,
     /// Corners of each triangle, indices into `positions`.
@@ -72,7 +72,7 @@ pub struct Soup {
     pub source_faces: Vec<SourceFace>,
 }
 
-impl Soup {
+impl ObjectTriangles {
     /// Returns the lowest and the highest corner of all triangles except those of the endless
     /// ground.
     pub fn bounds(&self) -> (DVec3, DVec3) {
@@ -169,13 +169,13 @@ impl Scene {
 
     /// Loads all files of a site, with the soup of triangles and the objects that they are parts
     /// of.
-    pub fn load_with_objects(site: &SceneFiles) -> Result<(Scene, Soup)> {
+    pub fn load_with_objects(site: &SceneFiles) -> Result<(Scene, ObjectTriangles)> {
         load(site, true)
     }
 }
 
 /// Loads all files of a site; without `keep` the soup is empty.
-fn load(site: &SceneFiles, keep: bool) -> Result<(Scene, Soup)> {
+fn load(site: &SceneFiles, keep: bool) -> Result<(Scene, ObjectTriangles)> {
     let (mut palette, mut pile) = (Palette::default(), Pile { keep, ..Pile::default() });
     let (mut rasters, mut surfaces, mut outlines, mut local_frame) = (Vec::new(), Vec::new(), Vec::new(), None);
     pile.report.warnings.extend(site.unused_up().into_iter().map(Message::from));
@@ -183,7 +183,7 @@ fn load(site: &SceneFiles, keep: bool) -> Result<(Scene, Soup)> {
         if let Some(path) = &part.materials {
             palette.open(path)?;
         }
-        let asked = Asked {
+        let asked = ReadOptions {
             reflectances: part.materials.is_none() || !part.materials_only,
             described: palette.described(part.materials.as_deref()),
             lod: part.lod.clone(),
@@ -313,7 +313,7 @@ impl Pile {
         let only = rasters.len() == 1 && !has_city;
         for Tile { part, raster, .. } in rasters {
             let stem = formats::stem(&part.file);
-            let wanted = Wanted {
+            let wanted = RasterOptions {
                 file: &part.file,
                 object: if only { surface::NAME } else { &stem },
                 focus: near.map(|(low, high)| Focus::around(low.truncate(), high.truncate())),
@@ -522,7 +522,7 @@ impl Pile {
         palette: &Palette,
         ground: Option<(EndlessGround, u32)>,
         keep: bool,
-    ) -> Result<(Scene, Soup)> {
+    ) -> Result<(Scene, ObjectTriangles)> {
         let place = place_of(&self.extents, &site.frame, &mut self.report)?;
         doubts(&self.extents, &mut self.report)?;
         let Pile { mut positions, mut triangles, mut objects, mut names, mut report, focus, by_month, .. } = self;
@@ -567,7 +567,7 @@ impl Pile {
         let materials = palette.select(&mut report)?;
         report.assumed.extend(ground_assumed);
         let number = |rank: u32| used.binary_search(&rank).map_or(u16::MAX, |i| i as u16);
-        let soup = Soup {
+        let soup = ObjectTriangles {
             positions,
             materials: soup.iter().map(|triangle| number(triangle.material)).collect(),
             triangles: soup.iter().map(|triangle| triangle.corners).collect(),

@@ -5,13 +5,13 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
-use crate::load::Soup;
+use crate::load::ObjectTriangles;
 
 /// Size of the cells that corners of boxes are rounded to, metres: boxes with equal cells are one.
 const SAME_M: f64 = 0.5;
 
 /// Returns the pairs of objects that fill the same box, by name. Flat objects are left out.
-pub fn twins(soup: &Soup) -> Vec<(&str, &str)> {
+pub fn twins(soup: &ObjectTriangles) -> Vec<(&str, &str)> {
     let mut boxes = vec![(DVec3::INFINITY, DVec3::NEG_INFINITY); soup.object_names.len()];
     for (corners, &object) in soup.triangles.iter().zip(&soup.objects) {
         let Some((low, high)) = boxes.get_mut(object as usize) else { continue };
@@ -46,7 +46,7 @@ mod tests {
     /// The 2 of 4 objects that fill one box are a pair; a flat one and one beside them are not.
     #[test]
     fn two_objects_that_fill_one_box_are_a_pair() {
-        let mut soup = Soup::default();
+        let mut soup = ObjectTriangles::default();
         for (name, at, size) in [("a", 0.0, 5.0), ("b", 0.1, 5.0), ("c", 9.0, 5.0), ("flat", 0.0, 0.0)] {
             let first = soup.positions.len() as u32;
             let corner = DVec3::new(at, 0.0, 0.0);

@@ -41,7 +41,7 @@ pub(super) struct Triangulation {
     /// Faces with fewer than three distinct corners or without area.
     pub degenerate_faces: usize,
     /// Count of faces whose outline crosses itself or its holes, and the first of them.
-    pub crossing_faces: Option<(usize, Place)>,
+    pub crossing_faces: Option<(usize, FaceLocation)>,
     /// Count of faces with a corner more than [`OFF_PLANE_M`] off their mean plane, and the largest
     /// distance in metres.
     pub off_plane: (usize, f64),
@@ -49,7 +49,7 @@ pub(super) struct Triangulation {
 
 /// Face that a message is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Place {
+pub(super) struct FaceLocation {
     /// Line of the file; 0 if the format has no lines.
     pub line: usize,
     pub object: u32,
@@ -194,7 +194,7 @@ impl Rings {
         let covered = self.push_triangles(face.material, &mut done.triangles);
         let area = self.area();
         if (covered - area).abs() > AREA_TOLERANCE * area {
-            let first = Place { line: face.line, object: face.object };
+            let first = FaceLocation { line: face.line, object: face.object };
             let (count, place) = done.crossing_faces.unwrap_or((0, first));
             done.crossing_faces = Some((count + 1, place));
         }
@@ -499,7 +499,7 @@ mod tests {
     fn holes_beyond_outlines_are_reported() {
         let outline = [[0., 0., 0.], [4., 0., 0.], [4., 4., 0.], [0., 4., 0.]];
         let (done, _) = with_holes(&[&outline, &[[3., 3., 0.], [6., 3., 0.], [6., 3.5, 0.]]]);
-        assert_eq!(done.crossing_faces, Some((1, Place { line: 6, object: 0 })));
+        assert_eq!(done.crossing_faces, Some((1, FaceLocation { line: 6, object: 0 })));
         let (done, _) = face(&[[0., 0., 0.], [4., 0., 0.], [4., 4., 1.6], [0., 4., 0.]]);
         assert_eq!(done.off_plane.0, 1);
         assert!((0.3..0.8).contains(&done.off_plane.1), "{}", done.off_plane.1);
@@ -510,7 +510,7 @@ mod tests {
     #[test]
     fn crossed_outlines_are_reported_by_line() {
         let (done, _) = face(&[[0., 0., 0.], [3., 0., 0.], [3., 3., 0.], [1., -1., 0.], [0., 3., 0.]]);
-        assert_eq!(done.crossing_faces, Some((1, Place { line: 6, object: 0 })));
+        assert_eq!(done.crossing_faces, Some((1, FaceLocation { line: 6, object: 0 })));
 
         let mut obj = Geometry::default();
         obj.vertices.push(DVec3::ZERO);

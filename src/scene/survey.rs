@@ -8,7 +8,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::formats;
-use crate::formats::{Asked, Content};
+use crate::formats::{Content, ReadOptions};
 use crate::geometry::Geometry;
 use crate::site::{Part, SceneFiles};
 use crate::surface_city::read::{no_raster, windows_of};
@@ -65,12 +65,12 @@ struct Surveyed {
 }
 
 fn survey(part: &Part, site: &SceneFiles) -> Result<Surveyed> {
-    let asked = Asked {
+    let asked = ReadOptions {
         lod: part.lod.clone(),
         assume_version: part.assume_version,
         system: site.frame.epsg,
         footprints: part.footprints.clone(),
-        ..Asked::default()
+        ..ReadOptions::default()
     };
     let mut system = None;
     let (bounds, objects) = match formats::read(&part.file, &asked)? {

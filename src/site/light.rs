@@ -5,7 +5,7 @@ use heliotile_core::error::Result;
 use heliotile_core::replay::components::{ComponentList, ComponentSet};
 use heliotile_files::writing::claim::OutputGuard;
 use heliotile_results::{
-    BinLabels, FileRequest, LightChoice, Provenance, ReceiverSet, Resources, Series, Tile, TileStream,
+    BinLabels, LightRequest, OutputRequest, Provenance, ReceiverSet, Resources, Series, Tile, TileStream,
 };
 
 /// Light of the chosen receivers of a site under suns and skies. Nothing is computed before it is
@@ -13,7 +13,7 @@ use heliotile_results::{
 pub struct SiteReplay<'a> {
     pub(super) site: &'a Site,
     pub(super) receivers: ReceiverSet<'a>,
-    pub(super) light: LightChoice,
+    pub(super) light: LightRequest,
     pub(super) series: Series,
     pub(super) resources: Resources<'a>,
     /// No file that is written meanwhile may replace an input.
@@ -53,7 +53,7 @@ impl SiteReplay<'_> {
 
     /// Writes tables, maps, charts and models of other programs in one pass. Returns a sentence
     /// about what was written, if there is one.
-    pub fn write(&self, files: &FileRequest) -> Result<Option<String>> {
+    pub fn write(&self, files: &OutputRequest) -> Result<Option<String>> {
         files.write(&self.stream(), self.site.archives(), &self.site.place)
     }
 }

@@ -24,7 +24,7 @@ use heliotile_files::writing::claim::OutputGuard;
 use heliotile_files::writing::guards::{guard_archive, guard_output, is_archive};
 use heliotile_results::{
     Archives, BeforeSide, BuildingsRequest, BuildingsSummary, ComfortDone, ComfortRequest, CompareRequest,
-    CompareSummary, Every, FactorsRequest, FileRequest, Illumination, PlacesRequest, PlacesSummary, Provenance,
+    CompareSummary, Every, FactorsRequest, LightSource, OutputRequest, PlacesRequest, PlacesSummary, Provenance,
     QueryRequest, ReceiverChoice, ReceiverSet, ReplayRequest, Resources, Sources, Tile,
 };
 use heliotile_studies::{
@@ -208,18 +208,18 @@ impl Site {
     /// ```
     pub fn under<'a>(
         &'a self,
-        request: &Illumination,
+        request: &LightSource,
         output: &Path,
         resources: &Resources<'a>,
     ) -> Result<SiteReplay<'a>> {
         let (about, archives) = (self.options.about.clone(), self.archives());
         let _guard = OutputGuard::new(&self.inputs(&request.files()), &[])?;
         let series = match request {
-            Illumination::Conditions(query) => {
+            LightSource::Conditions(query) => {
                 query.check()?;
                 query.series(archives, about, resources)?
             }
-            Illumination::Weather(replay) => {
+            LightSource::Weather(replay) => {
                 replay.check()?;
                 let weather = replay.read_weather(resources, &mut || Ok(archives.manifest().place))?;
                 let dated = replay.dated(&weather, resources.observer)?;
@@ -236,14 +236,19 @@ impl Site {
     ///
     /// ```no_run
     /// # fn main() -> heliotile::Result<()> {
-    /// # use heliotile::{FileRequest, QueryRequest, Resources, Site};
+    /// # use heliotile::{OutputRequest, QueryRequest, Resources, Site};
     /// let site = Site::open("site.helio")?;
     /// let suns = QueryRequest::new("conditions.csv");
-    /// site.query(&suns, &FileRequest::new("suns.csv"), &Resources::usual())?;
+    /// site.query(&suns, &OutputRequest::new("suns.csv"), &Resources::usual())?;
     /// # Ok(())
     /// # }
     /// ```
-    pub fn query(&self, request: &QueryRequest, files: &FileRequest, resources: &Resources) -> Result<Option<String>> {
+    pub fn query(
+        &self,
+        request: &QueryRequest,
+        files: &OutputRequest,
+        resources: &Resources,
+    ) -> Result<Option<String>> {
         self.write(&request.clone().into(), files, resources)
     }
 
@@ -252,24 +257,24 @@ impl Site {
     ///
     /// ```no_run
     /// # fn main() -> heliotile::Result<()> {
-    /// # use heliotile::{Every, FileRequest, ReplayRequest, Resources, Site};
+    /// # use heliotile::{Every, OutputRequest, ReplayRequest, Resources, Site};
     /// let site = Site::open("site.helio")?;
     /// let year = ReplayRequest { every: Every::Month, ..ReplayRequest::new("rotterdam.epw") };
-    /// site.replay(&year, &FileRequest::new("months.parquet"), &Resources::usual())?;
+    /// site.replay(&year, &OutputRequest::new("months.parquet"), &Resources::usual())?;
     /// # Ok(())
     /// # }
     /// ```
     pub fn replay(
         &self,
         request: &ReplayRequest,
-        files: &FileRequest,
+        files: &OutputRequest,
         resources: &Resources,
     ) -> Result<Option<String>> {
         self.write(&request.clone().into(), files, resources)
     }
 
     /// Writes the irradiance under suns and skies.
-    pub fn write(&self, under: &Illumination, files: &FileRequest, resources: &Resources) -> Result<Option<String>> {
+    pub fn write(&self, under: &LightSource, files: &OutputRequest, resources: &Resources) -> Result<Option<String>> {
         let inputs = under.files();
         files.check(under.light().chosen_columns().as_ref(), under.every(), &self.inputs(&inputs))?;
         self.under(under, &files.output, resources)?.write(files)
@@ -280,12 +285,13 @@ impl Site {
     ///
     /// ```no_run
     /// # fn main() -> heliotile::Result<()> {
-    /// # use heliotile::{CompareRequest, FileRequest, ReplayRequest, Resources, Site};
+    /// # use heliotile::{CompareRequest, OutputRequest, ReplayRequest, Resources, Site};
     /// let before = Site::open("before.helio")?;
     /// let under = ReplayRequest::new("rotterdam.epw").into();
     /// let (after, summary) = (vec!["after.helio".into()], Some("gains.csv".into()));
     /// let request = CompareRequest { after, under, summary, unmatched: None };
-    /// let done = before.compare(&request, &FileRequest::new("change.csv"), &Resources::usual())?;
+    /// let change = OutputRequest::new("change.csv");
+    /// let done = before.compare(&request, &change, &Resources::usual())?;
     /// println!("{}", done.text());
     /// # Ok(())
     /// # }
@@ -293,7 +299,7 @@ impl Site {
     pub fn compare(
         &self,
         request: &CompareRequest,
-        files: &FileRequest,
+        files: &OutputRequest,
         resources: &Resources,
     ) -> Result<CompareSummary> {
         request.check(files, &self.inputs(&request.under.files()))?;
@@ -409,14 +415,19 @@ impl Site {
     ///
     /// ```no_run
     /// # fn main() -> heliotile::Result<()> {
-    /// # use heliotile::{ComfortRequest, FileRequest, Resources, Site};
+    /// # use heliotile::{ComfortRequest, OutputRequest, Resources, Site};
     /// let people = ComfortRequest::new("rotterdam.epw");
     /// let site = Site::open("square.helio")?;
-    /// site.comfort(&people, &FileRequest::new("utci.csv"), &Resources::usual())?;
+    /// site.comfort(&people, &OutputRequest::new("utci.csv"), &Resources::usual())?;
     /// # Ok(())
     /// # }
     /// ```
-    pub fn comfort(&self, request: &ComfortRequest, files: &FileRequest, resources: &Resources) -> Result<ComfortDone> {
+    pub fn comfort(
+        &self,
+        request: &ComfortRequest,
+        files: &OutputRequest,
+        resources: &Resources,
+    ) -> Result<ComfortDone> {
         let read: Vec<&Path> = request.files().collect();
         let inputs = self.inputs(&read);
         request.check(files, &inputs)?;
@@ -446,10 +457,10 @@ impl Site {
     ///
     /// ```no_run
     /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-    /// # use heliotile::{FileRequest, Resources, Site, SunlightRequest};
+    /// # use heliotile::{OutputRequest, Resources, Site, SunlightRequest};
     /// let site = Site::open("site.helio")?;
     /// let march = SunlightRequest { dates: vec!["03-21".parse()?], ..SunlightRequest::default() };
-    /// let done = site.sunlight(&march, &FileRequest::new("hours.csv"), &Resources::usual())?;
+    /// let done = site.sunlight(&march, &OutputRequest::new("hours.csv"), &Resources::usual())?;
     /// println!("{} places", done.places);
     /// # Ok(())
     /// # }
@@ -457,7 +468,7 @@ impl Site {
     pub fn sunlight(
         &self,
         request: &SunlightRequest,
-        files: &FileRequest,
+        files: &OutputRequest,
         resources: &Resources,
     ) -> Result<SunlightDone> {
         request.check(files, &self.inputs(&[]))?;

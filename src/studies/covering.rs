@@ -26,7 +26,7 @@ use heliotile_results::outputs::receivers::{ReceiverRow, ReceiverTable};
 use heliotile_scene::Scene;
 use heliotile_scene::covering::cover::{MAX_POINTS, Piece, cover};
 use heliotile_scene::covering::surfaces::{Surface, Surfaces};
-use heliotile_scene::load::Soup;
+use heliotile_scene::load::ObjectTriangles;
 use heliotile_scene::mesh::bounds;
 use heliotile_scene::objects::twins;
 use heliotile_scene::region_part::RegionPart;
@@ -190,7 +190,7 @@ pub fn cover_site(
 /// that gets light.
 pub fn cover_scene(
     scene: &Scene,
-    soup: Soup,
+    soup: ObjectTriangles,
     asked: &CoverRequest,
     observer: &dyn Observer,
 ) -> Result<PlacedReceivers> {
@@ -198,8 +198,8 @@ pub fn cover_scene(
     let surfaces = Surfaces::find(&soup, &scene.materials);
     doubts(&soup, &surfaces).iter().for_each(|doubt| observer.warn(doubt));
     // The rest of the soup is dropped to free its memory.
-    let Soup { source_faces: faces, .. } = soup;
-    let wanted = Wanted::new(asked, &scene.materials, &surfaces)?;
+    let ObjectTriangles { source_faces: faces, .. } = soup;
+    let wanted = SurfaceSelection::new(asked, &scene.materials, &surfaces)?;
     let density = asked.density;
     let (mut chosen, mut small, mut beside) = (Vec::new(), (0, 0.0), BTreeMap::new());
     let within = asked.within.as_ref();
@@ -268,7 +268,7 @@ pub fn cover_scene(
 }
 
 /// Returns doubts about the surfaces of a scene, a sentence each.
-pub fn doubts(soup: &Soup, surfaces: &Surfaces) -> Vec<Message> {
+pub fn doubts(soup: &ObjectTriangles, surfaces: &Surfaces) -> Vec<Message> {
     let mut found = Vec::new();
     if surfaces.contrary_edges > 0 {
         found.push(message!(
@@ -344,7 +344,7 @@ fn lie(piece: &Piece, offset_m: f64, scene: &Scene, tracer: &Tracer) -> Placemen
 }
 
 /// Requested surfaces, with names resolved.
-struct Wanted {
+struct SurfaceSelection {
     /// Kinds of surfaces; if nothing is named, the roofs, walls and windows that the sun may reach.
     kinds: Vec<SurfaceKind>,
     /// Indices of materials.
@@ -357,12 +357,13 @@ struct Wanted {
     types: Vec<String>,
 }
 
-impl Wanted {
-    fn new(asked: &CoverRequest, materials: &[Material], surfaces: &Surfaces) -> Result<Wanted> {
+impl SurfaceSelection {
+    fn new(asked: &CoverRequest, materials: &[Material], surfaces: &Surfaces) -> Result<SurfaceSelection> {
         // A part of a region, and what is added to a scene, may lack some requested names.
         let is_part = asked.within.is_some() || asked.may_be_none;
         let types = asked.types.iter().map(|name| name.trim().to_lowercase()).collect();
-        let mut wanted = Wanted { kinds: Vec::new(), materials: Vec::new(), all: false, missing: false, types };
+        let mut wanted =
+            SurfaceSelection { kinds: Vec::new(), materials: Vec::new(), all: false, missing: false, types };
         for name in asked.on.iter().map(|name| name.trim()) {
             let kind = SurfaceKind::ALL.into_iter().find(|kind| kind.name() == name.to_lowercase());
             let material = materials.iter().position(|material| material.name == name);

@@ -28,7 +28,7 @@ use heliotile_results::outputs::receivers::{ReceiverRow, ReceiverTable};
 use heliotile_results::resources::Resources;
 use heliotile_scene::Scene;
 use heliotile_scene::covering::cover::Density;
-use heliotile_scene::load::Soup;
+use heliotile_scene::load::ObjectTriangles;
 use heliotile_scene::points::places::{PointDefaults, read_points};
 use heliotile_scene::region_part::RegionPart;
 use heliotile_scene::request::SceneRequest;
@@ -92,7 +92,7 @@ struct Stand {
 /// Loaded scene and its objects.
 struct LoadedScene {
     scene: Scene,
-    soup: Soup,
+    soup: ObjectTriangles,
     within: Option<RegionPart>,
 }
 

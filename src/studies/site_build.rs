@@ -315,7 +315,7 @@ impl SiteArchiveRequest {
 }
 
 /// State of the archive in the folder.
-enum Found {
+enum ArchiveState {
     Nothing,
     /// Archive that equals what a build would give.
     Same(Box<Archive>),
@@ -339,7 +339,7 @@ impl SiteBuild<'_> {
             _ => Vec::new(),
         };
         let found = self.archive_at(folder.archive, &mut receivers, &settings)?;
-        if let Found::Other(others) = &found {
+        if let ArchiveState::Other(others) = &found {
             differences.extend_from_slice(others);
         }
         if !folder.replace && !differences.is_empty() {
@@ -351,7 +351,7 @@ impl SiteBuild<'_> {
             observer.report(message!("{}: ", table.display()).and(covering::summary(placed, self.scene)));
         }
         let archive = match found {
-            Found::Same(archive) => {
+            ArchiveState::Same(archive) => {
                 observer.report(format!("{}: up to date, nothing is traced again\n", folder.archive.display()));
                 *archive
             }
@@ -376,13 +376,13 @@ impl SiteBuild<'_> {
     }
 
     /// Compares the archive at `path` with what a build would give.
-    fn archive_at(&self, path: &Path, receivers: &mut ReceiverTiles, settings: &BuildSettings) -> Result<Found> {
+    fn archive_at(&self, path: &Path, receivers: &mut ReceiverTiles, settings: &BuildSettings) -> Result<ArchiveState> {
         if !path.exists() {
-            return Ok(Found::Nothing);
+            return Ok(ArchiveState::Nothing);
         }
         let archive = match Archive::open_with(path, Access::Read) {
             Ok(archive) => archive,
-            Err(error) => return Ok(Found::Other(vec![message!("site.helio cannot be read ({error:#})")])),
+            Err(error) => return Ok(ArchiveState::Other(vec![message!("site.helio cannot be read ({error:#})")])),
         };
         let mut others = Vec::new();
         if archive.manifest().scene.content_hash != format::hex(&self.scene.content_hash()) {
@@ -417,7 +417,7 @@ impl SiteBuild<'_> {
             let there = if self.with_scene { "leaves out" } else { "holds" };
             others.push(message!("site.helio {there} the triangles of the scene"));
         }
-        Ok(if others.is_empty() { Found::Same(Box::new(archive)) } else { Found::Other(others) })
+        Ok(if others.is_empty() { ArchiveState::Same(Box::new(archive)) } else { ArchiveState::Other(others) })
     }
 }
 

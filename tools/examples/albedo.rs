@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use heliotile::{FileRequest, LightChoice, QueryRequest, Resources, Site};
+use heliotile::{LightRequest, OutputRequest, QueryRequest, Resources, Site};
 
 fn main() -> heliotile::Result<()> {
     let words: Vec<String> = std::env::args().skip(1).collect();
@@ -18,10 +18,10 @@ fn main() -> heliotile::Result<()> {
 fn albedos(archive: &str, conditions: &str, folder: &Path) -> heliotile::Result<()> {
     let site = Site::open(archive)?;
     for albedo in [0.2, 0.6] {
-        let mut light = LightChoice::default();
+        let mut light = LightRequest::default();
         light.changes.constant.push(("ground".to_owned(), albedo));
         let request = QueryRequest { light, ..QueryRequest::new(conditions) };
-        let table = FileRequest::new(folder.join(format!("albedo-{albedo}.csv")));
+        let table = OutputRequest::new(folder.join(format!("albedo-{albedo}.csv")));
         site.query(&request, &table, &Resources::usual())?;
     }
     Ok(())

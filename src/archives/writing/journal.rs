@@ -154,7 +154,7 @@ impl Journal {
 
 /// Interrupted build.
 #[derive(Debug)]
-pub struct Found {
+pub struct InterruptedBuild {
     header: Header,
     journal: Journal,
     /// Valid bytes of the journal.
@@ -167,7 +167,7 @@ pub struct Found {
 /// Returns the interrupted build that journal and partial file describe; `None` if no checkpoint is
 /// valid. Blocks are compared with their checksums, so a journal beside another partial file, or
 /// none, does not count.
-pub fn find(disk: &dyn Disk, path: &Path, partial: &Handle) -> Result<Option<Found>> {
+pub fn find(disk: &dyn Disk, path: &Path, partial: &Handle) -> Result<Option<InterruptedBuild>> {
     let file = match disk.open(path) {
         Ok(file) => Handle::new(path, file),
         Err(source) if source.kind() == ErrorKind::NotFound => return Ok(None),
@@ -180,7 +180,7 @@ pub fn find(disk: &dyn Disk, path: &Path, partial: &Handle) -> Result<Option<Fou
     let bytes = file.read(0, HEADER_SIZE)?;
     let Some((header, sum)) = decode_header(&bytes) else { return Ok(None) };
     let journal = Journal { file, length: HEADER_SIZE as u64, sum };
-    let mut found = Found { header, journal, bytes, entries: BTreeMap::new(), end: FIRST_BLOCK };
+    let mut found = InterruptedBuild { header, journal, bytes, entries: BTreeMap::new(), end: FIRST_BLOCK };
     if header.version != VERSION {
         // Batches of another version cannot be read, but they are finished work.
         return Ok((partial_length > FIRST_BLOCK).then_some(found));
@@ -189,7 +189,7 @@ pub fn find(disk: &dyn Disk, path: &Path, partial: &Handle) -> Result<Option<Fou
     Ok((!found.entries.is_empty()).then_some(found))
 }
 
-impl Found {
+impl InterruptedBuild {
     /// Takes the next batch if it is intact and its blocks are in the partial file.
     fn take_batch(&mut self, length: u64, partial: &Handle, partial_length: u64) -> Result<bool> {
         let Some(bytes) = self.next_batch(length)? else { return Ok(false) };
@@ -253,7 +253,7 @@ impl Found {
     /// Returns the journal without its invalid end. The valid bytes are written again in place,
     /// because after a failed sync of the run before they may have been in memory only.
     pub fn into_journal(self) -> Result<Journal> {
-        let Found { journal, bytes, .. } = self;
+        let InterruptedBuild { journal, bytes, .. } = self;
         journal.file.write(0, &bytes)?;
         journal.file.set_len(journal.length)?;
         journal.file.sync()?;

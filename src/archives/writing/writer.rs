@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use crate::writing::disk::{Disk, Handle, SystemDisk};
 use crate::writing::journal;
-use crate::writing::journal::{Found, Job, Journal, Progress};
+use crate::writing::journal::{InterruptedBuild, Job, Journal, Progress};
 use heliotile_core::archive::Blocks;
 use heliotile_core::archive::codec::block;
 use heliotile_core::archive::codec::block::{Block, EncodedBlock};
@@ -119,7 +119,7 @@ impl Writer {
             entries: BTreeMap::new(),
             pending: Vec::new(),
             end: FIRST_BLOCK,
-            committed: found.as_ref().map(Found::progress),
+            committed: found.as_ref().map(InterruptedBuild::progress),
             committed_at: Instant::now(),
             checkpoint_every: CHECKPOINT_EVERY,
             resumed: None,
@@ -152,7 +152,7 @@ impl Writer {
     }
 
     /// Starts with the partial file as it was at its last checkpoint.
-    fn go_on(mut self, mut found: Found) -> Result<Self> {
+    fn go_on(mut self, mut found: InterruptedBuild) -> Result<Self> {
         let progress = found.progress();
         self.entries = std::mem::take(&mut found.entries);
         self.journal = Some(found.into_journal()?);

@@ -12,11 +12,11 @@ use heliotile_core::site::material::{Class, Material};
 use heliotile_core::text::{Message, counted, message};
 use heliotile_scene::Scene;
 use heliotile_scene::covering::surfaces::Surfaces;
-use heliotile_scene::load::Soup;
+use heliotile_scene::load::ObjectTriangles;
 use heliotile_scene::site::{MissingGround, Part, SceneFiles};
 
 /// A model with its surroundings.
-pub struct Around {
+pub struct ModelSurroundings {
     pub site: SceneFiles,
     pub neighbours: Neighbours,
     pub materials: Vec<Material>,
@@ -33,13 +33,13 @@ const MANY: usize = 500;
 /// coordinates, metres.
 const APART_M: f64 = 20_000.0;
 
-impl Around {
+impl ModelSurroundings {
     /// Reads the surroundings that `--scene` names, apart from the model, and puts the model among
     /// them.
-    pub fn read(task: &Task) -> Result<Around> {
+    pub fn read(task: &Task) -> Result<ModelSurroundings> {
         let model = task.request.site(std::slice::from_ref(&task.request.model))?;
         if task.request.scene.is_empty() {
-            return Ok(Around {
+            return Ok(ModelSurroundings {
                 site: model,
                 neighbours: Neighbours::default(),
                 materials: Vec::new(),
@@ -72,7 +72,7 @@ impl Around {
         site.parts.extend(model.parts.into_iter().map(placed));
         site.parts.extend(others.parts);
         tell(&neighbours, task);
-        Ok(Around { site, neighbours, materials: scene.materials, types })
+        Ok(ModelSurroundings { site, neighbours, materials: scene.materials, types })
     }
 }
 
@@ -101,7 +101,7 @@ const OFF_THE_GROUND_M: f64 = 1.0;
 
 /// Describes an odd place of a model's origin among its surroundings: outside of them, or off the
 /// ground.
-fn how_it_stands(origin: DVec3, soup: &Soup, materials: &[Material]) -> Option<Message> {
+fn how_it_stands(origin: DVec3, soup: &ObjectTriangles, materials: &[Material]) -> Option<Message> {
     let (low, high) = soup.bounds();
     let (at, hint) = (
         format!("the model's origin, {:.1} {:.1}", origin.x, origin.y),

@@ -15,7 +15,7 @@ use crate::injection::{self, Changed, Injection};
 use crate::named_files::{NamedFiles, make_absolute};
 use crate::report::Report;
 use crate::sun_tables::{GroundRange, ReflectedSky, SurfaceLight, TableRequest, surface_lights};
-use around::Around;
+use around::ModelSurroundings;
 use heliotile_builder::planning::AccuracyRequest;
 use heliotile_builder::settings::EffectChoice;
 use heliotile_builder::trace::placement::Placement;
@@ -300,7 +300,7 @@ fn run(task: &Task) -> Result<()> {
     // A missing EnergyPlus is reported before minutes of tracing.
     let engine = task.request.run.then(|| Engine::find(task.request.energyplus.as_deref())).transpose()?;
     let steps = stripped::steps(task, &document)?;
-    let Around { site, neighbours, materials, types } = Around::read(task)?;
+    let ModelSurroundings { site, neighbours, materials, types } = ModelSurroundings::read(task)?;
     let files = Files::new(task, &document);
     files.guard(task, &site)?;
     let (scene, covered) =
@@ -332,7 +332,7 @@ fn run(task: &Task) -> Result<()> {
     warn_of_partly_hidden(&targets.partly, task);
     changed.notes.iter().for_each(|note| task.report(note.clone().and("\n")));
     warnings.iter().for_each(|text| task.warn(text));
-    let told = pages::Told {
+    let told = pages::ReportContents {
         task,
         archive: &archive,
         lights: &lights,

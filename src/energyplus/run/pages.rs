@@ -10,7 +10,7 @@ use heliotile_core::replay::factors::SunGrid;
 use heliotile_core::text::{Message, message};
 
 /// Contents of the report.
-pub struct Told<'a> {
+pub struct ReportContents<'a> {
     pub task: &'a Task<'a>,
     pub archive: &'a Archive,
     pub lights: &'a [SurfaceLight],
@@ -21,7 +21,7 @@ pub struct Told<'a> {
 }
 
 /// Returns all sections but those of runs.
-pub fn report(told: &Told) -> Report {
+pub fn report(told: &ReportContents) -> Report {
     let model = told.task.request.model.file_name().unwrap_or_default().to_string_lossy();
     Report {
         title: format!("{model} with reflected sun"),
@@ -45,7 +45,7 @@ pub fn physics_lines(physics: Physics) -> Vec<Message> {
     vec![message!("light: `{{physics}} {}`: {light}", physics_name(physics))]
 }
 
-fn done(told: &Told) -> Vec<String> {
+fn done(told: &ReportContents) -> Vec<String> {
     let grid = SunGrid::USUAL;
     let mut list = told.task.worded(&physics_lines(told.task.request.physics));
     list.extend([
@@ -78,7 +78,7 @@ fn done(told: &Told) -> Vec<String> {
 }
 
 /// Returns the table of surfaces, one row a surface.
-fn surfaces(told: &Told) -> Vec<Block> {
+fn surfaces(told: &ReportContents) -> Vec<Block> {
     let head = [
         "surface",
         "kind",

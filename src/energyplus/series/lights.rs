@@ -10,7 +10,7 @@ use heliotile_core::light::paths::LightPaths;
 use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::sky::model::SkyModel;
 use heliotile_results::SkyChoice;
-use heliotile_results::{LightChoice, ReceiverSet, Resources, Series, TileStream};
+use heliotile_results::{LightRequest, ReceiverSet, Resources, Series, TileStream};
 
 /// Components of reflected light, summed to one result.
 pub const REFLECTED: &[&[Component]] =
@@ -54,7 +54,7 @@ pub fn surface_series(archive: &Archive, asked: &SeriesRequest) -> Result<BTreeM
     let components: Vec<Component> = asked.sums.iter().copied().flatten().copied().collect();
     let receivers = ReceiverSet::all_of(archive)?;
     let series = Series::over_ground(asked.steps.conditions.clone(), asked.ground);
-    let light = LightChoice { sky: SkyChoice::Model(asked.sky), paths: asked.paths, ..LightChoice::default() };
+    let light = LightRequest { sky: SkyChoice::Model(asked.sky), paths: asked.paths, ..LightRequest::default() };
     let stream = TileStream { receivers: &receivers, light: &light, series: &series, resources: asked.resources };
     let mut found: BTreeMap<String, SurfaceSeries> = BTreeMap::new();
     let mut rows = receivers.rows::<()>();

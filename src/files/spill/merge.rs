@@ -149,28 +149,28 @@ impl Merge {
 /// All records of a sorter by key. Records of equal keys keep the order in which they were pushed.
 ///
 /// After an error the records that follow cannot be trusted.
-pub struct Sorted(Place);
+pub struct Sorted(SortedStorage);
 
-enum Place {
+enum SortedStorage {
     Memory { batch: Batch, next: usize },
     File { spilled: Spilled, merge: Merge },
 }
 
 impl Sorted {
     pub(super) fn of_memory(batch: Batch) -> Self {
-        Sorted(Place::Memory { batch, next: 0 })
+        Sorted(SortedStorage::Memory { batch, next: 0 })
     }
 
     pub(super) fn of_file(spilled: Spilled) -> Result<Self> {
         let spilled = spilled.reduce()?;
-        Ok(Sorted(Place::File { merge: spilled.last_merge()?, spilled }))
+        Ok(Sorted(SortedStorage::File { merge: spilled.last_merge()?, spilled }))
     }
 
     /// Starts again with the first record.
     pub fn rewind(&mut self) -> Result<()> {
         match &mut self.0 {
-            Place::Memory { next, .. } => *next = 0,
-            Place::File { spilled, merge } => {
+            SortedStorage::Memory { next, .. } => *next = 0,
+            SortedStorage::File { spilled, merge } => {
                 // Drop the old buffers before the new ones are allocated, to stay within the
                 // budget.
                 merge.readers.clear();
@@ -184,8 +184,8 @@ impl Sorted {
     #[cfg(test)]
     pub(super) fn buffered(&self) -> usize {
         match &self.0 {
-            Place::Memory { batch, .. } => batch.buffered(),
-            Place::File { merge, .. } => {
+            SortedStorage::Memory { batch, .. } => batch.buffered(),
+            SortedStorage::File { merge, .. } => {
                 let heads = merge.heads.iter().map(|head| head.record.0.capacity() + head.record.1.capacity());
                 merge.readers.iter().map(RunReader::buffered).sum::<usize>() + heads.sum::<usize>()
             }
@@ -198,12 +198,12 @@ impl Iterator for Sorted {
 
     fn next(&mut self) -> Option<Result<Record>> {
         match &mut self.0 {
-            Place::Memory { batch, next } => {
+            SortedStorage::Memory { batch, next } => {
                 let (key, payload) = batch.get(*next)?;
                 *next += 1;
                 Some(Ok((key.to_vec(), payload.to_vec())))
             }
-            Place::File { merge, .. } => merge.next().transpose(),
+            SortedStorage::File { merge, .. } => merge.next().transpose(),
         }
     }
 }

@@ -21,12 +21,12 @@ pub use self::line::{EverywhereArgs, again, option_of, parse, quoted, report, wo
 
 /// A command line.
 pub struct Cli {
-    pub command: Asked,
+    pub command: CliCommand,
     pub everywhere: EverywhereArgs,
 }
 
 /// A command with what it is asked.
-pub enum Asked {
+pub enum CliCommand {
     /// Command whose request declares its fields.
     Case(&'static cases::Command, Given),
     /// Completions of this command line for a shell.

@@ -35,7 +35,7 @@ mod weather;
 
 use std::path::{Path, PathBuf};
 
-use crate::cli::{Asked, Cli, EverywhereArgs};
+use crate::cli::{Cli, CliCommand, EverywhereArgs};
 use console::terminal::Terminal;
 use console::voice::{self, Volume, remark, say, warn};
 use heliotile::cases::{Given, prepared};
@@ -60,9 +60,9 @@ pub enum Outcome {
 pub fn run(Cli { command, everywhere }: &Cli, about: Provenance) -> Result<Outcome> {
     set_up(everywhere)?;
     let outcome = match command {
-        Asked::Case(command, given) => starts::carry_out(command, given, about),
-        Asked::Completions(shell) => shells::completions(*shell),
-        Asked::Man(folder) => shells::man(folder),
+        CliCommand::Case(command, given) => starts::carry_out(command, given, about),
+        CliCommand::Completions(shell) => shells::completions(*shell),
+        CliCommand::Man(folder) => shells::man(folder),
     };
     if let Some(traffic) = heliotile::remote::traffic().filter(|_| everywhere.verbose) {
         voice::aside(&format!("{traffic}\n"));

@@ -9,7 +9,7 @@ use super::console::voice::remark_aside;
 use super::{Outcome, remark};
 use heliotile::cases::{Buildings, Compare, Factors, Places, Replay, SelectionRequest, SiteRequest};
 use heliotile::text::counted;
-use heliotile::{Error, Every, FileRequest, Provenance, Resources, Result};
+use heliotile::{Error, Every, OutputRequest, Provenance, Resources, Result};
 
 /// `heliotile replay`.
 pub fn replay(args: &Replay, about: Provenance) -> Result<Outcome> {
@@ -28,7 +28,7 @@ pub fn replay(args: &Replay, about: Provenance) -> Result<Outcome> {
 
 /// Returns true if the hours of all receivers would go to standard output as text.
 fn prints_hours(args: &Replay) -> bool {
-    let FileRequest { output, plots, honeybee, .. } = &args.files;
+    let OutputRequest { output, plots, honeybee, .. } = &args.files;
     let has_hours = args.under.weather.is_some() && args.request.every == Every::Hour;
     has_hours && output == Path::new("-") && plots.is_empty() && honeybee.is_none()
 }

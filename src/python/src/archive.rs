@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::arrays::{Frame, Gathered, Recombined};
-use crate::asked::{Asked, Memory};
+use crate::asked::{Keywords, Memory};
 use crate::errors::raised;
 use crate::lazy::LazyReplay;
 use crate::memory::Block;
@@ -19,7 +19,7 @@ use heliotile::atlas::check_square;
 use heliotile::cases::{Extract, Factors, Replay};
 use heliotile::names::by_name;
 use heliotile::{
-    Access, FACTORS, FactorRows, Illumination, PartReceivers, Provenance, ReceiverChoice, Resources, Result, Selection,
+    Access, FACTORS, FactorRows, LightSource, PartReceivers, Provenance, ReceiverChoice, Resources, Result, Selection,
     Site, SiteOptions, SiteReplay,
 };
 
@@ -150,7 +150,7 @@ impl ArchiveHandle {
     fn replay(
         &self,
         py: Python<'_>,
-        asked: Asked,
+        asked: Keywords,
         receivers: Option<PySelection>,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Recombined> {
@@ -164,7 +164,7 @@ impl ArchiveHandle {
     fn extract(
         &self,
         py: Python<'_>,
-        asked: Asked,
+        asked: Keywords,
         receivers: PySelection,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<ArchiveHandle> {
@@ -176,7 +176,7 @@ impl ArchiveHandle {
     }
 
     /// Returns a replay that computes tiles on demand and keeps up to `cache` bytes of them.
-    fn lazy(&self, py: Python<'_>, asked: Asked, cache: usize) -> PyResult<LazyReplay> {
+    fn lazy(&self, py: Python<'_>, asked: Keywords, cache: usize) -> PyResult<LazyReplay> {
         asked.run::<Replay, _>(py, ARCHIVE, None, |args, about, resources| {
             self.site.only()?;
             let site = self.site.stating(about);
@@ -191,7 +191,7 @@ impl ArchiveHandle {
     fn factors(
         &self,
         py: Python<'_>,
-        asked: Asked,
+        asked: Keywords,
         receivers: Option<PySelection>,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<FactorColumns> {
@@ -245,7 +245,7 @@ impl ArchiveHandle {
 
     fn recombined(
         &self,
-        under: &Illumination,
+        under: &LightSource,
         receivers: Option<PySelection>,
         about: Provenance,
         resources: &Resources,

@@ -32,7 +32,7 @@ impl<'py> FromPyObject<'_, 'py> for Memory {
 /// Keywords of a call.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-pub struct Asked {
+pub struct Keywords {
     /// Function, such as `Archive.replay`.
     function: String,
     /// Texts by keyword.
@@ -48,7 +48,7 @@ enum Texts {
     All(Vec<String>),
 }
 
-impl Asked {
+impl Keywords {
     /// Fills and checks a request. `known` names fields that the call fills in another way.
     pub fn filled<R: Request + Default>(&self, known: &[&str]) -> Result<Prepared<R>> {
         prepared(&self.given(&R::rows())?, known, &|path| self.tables.contains_key(path))

@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 use serde_json::{Value, json};
 
 use crate::archive::{ARCHIVE, ArchiveHandle};
-use crate::asked::Asked;
+use crate::asked::Keywords;
 use crate::selection::PySelection;
 use heliotile::cases::{Buildings, Compare, Glare, PeopleOfSite, Places, Replay, Sunlight};
 use heliotile::tables::{Cell, Records};
@@ -20,7 +20,7 @@ pub fn ask(
     py: Python<'_>,
     site: &Bound<'_, ArchiveHandle>,
     question: &str,
-    asked: Asked,
+    asked: Keywords,
     receivers: Option<PySelection>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<String> {

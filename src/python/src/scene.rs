@@ -6,7 +6,7 @@ use std::sync::Arc;
 use pyo3::prelude::*;
 
 use crate::archive::ArchiveHandle;
-use crate::asked::Asked;
+use crate::asked::Keywords;
 use crate::errors::worded_text;
 use crate::studies::loaded;
 use heliotile::cases::Build;
@@ -25,7 +25,7 @@ type Built = (ArchiveHandle, Vec<(&'static str, f64)>, u64, u64, Option<f64>);
 impl SceneHandle {
     /// Reads a scene.
     #[staticmethod]
-    fn load(py: Python<'_>, asked: Asked) -> PyResult<Self> {
+    fn load(py: Python<'_>, asked: Keywords) -> PyResult<Self> {
         asked.run::<SceneRequest, _>(py, &[], None, |request, _, resources| {
             Ok(SceneHandle { scene: Arc::new(loaded(request, resources.observer)?) })
         })
@@ -57,7 +57,7 @@ impl SceneHandle {
     /// Traces an archive. Returns its handle, seconds by stage, number of rays, bytes, and the
     /// estimated error in percent.
     #[pyo3(signature = (asked, progress))]
-    fn build(&self, py: Python<'_>, asked: Asked, progress: Option<Bound<'_, PyAny>>) -> PyResult<Built> {
+    fn build(&self, py: Python<'_>, asked: Keywords, progress: Option<Bound<'_, PyAny>>) -> PyResult<Built> {
         asked.run::<Build, _>(py, &[], progress.as_ref(), |args, _, resources| {
             let (output, receivers) = args.check()?;
             let done = args.trace(&self.scene, asked.table(receivers), output, resources)?;

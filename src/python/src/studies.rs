@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use pyo3::prelude::*;
 use serde::Serialize;
 
-use crate::asked::Asked;
+use crate::asked::Keywords;
 use crate::errors::worded_text;
 use heliotile::archive::Problem;
 use heliotile::atlas::{PartitionRequest, VerifyRequest};
@@ -41,7 +41,7 @@ fn rows(problems: Vec<Problem>) -> Vec<ProblemRow> {
 
 /// Writes a year's results of scene files to a folder.
 #[pyfunction]
-pub fn run(py: Python<'_>, asked: Asked, progress: Option<Bound<'_, PyAny>>) -> PyResult<Study> {
+pub fn run(py: Python<'_>, asked: Keywords, progress: Option<Bound<'_, PyAny>>) -> PyResult<Study> {
     asked.run::<Run, _>(py, &[], progress.as_ref(), |args, about, resources| {
         let done = args.request.write(about, resources)?;
         Ok((done.folder, done.archive, done.files, done.table))
@@ -50,7 +50,7 @@ pub fn run(py: Python<'_>, asked: Asked, progress: Option<Bound<'_, PyAny>>) -> 
 
 /// Writes the irradiance on solar modules to a folder.
 #[pyfunction]
-pub fn pv(py: Python<'_>, asked: Asked, progress: Option<Bound<'_, PyAny>>) -> PyResult<Study> {
+pub fn pv(py: Python<'_>, asked: Keywords, progress: Option<Bound<'_, PyAny>>) -> PyResult<Study> {
     asked.run::<Pv, _>(py, &[], progress.as_ref(), |args, about, resources| {
         let done = args.request.write(about, resources)?;
         Ok((done.folder, done.archive, done.files, done.table))
@@ -60,7 +60,7 @@ pub fn pv(py: Python<'_>, asked: Asked, progress: Option<Bound<'_, PyAny>>) -> P
 /// Builds the archive of a scene with people, for later replays of the weather, if it is given.
 /// Returns its path.
 #[pyfunction]
-pub fn comfort(py: Python<'_>, asked: Asked, progress: Option<Bound<'_, PyAny>>) -> PyResult<PathBuf> {
+pub fn comfort(py: Python<'_>, asked: Keywords, progress: Option<Bound<'_, PyAny>>) -> PyResult<PathBuf> {
     asked.run::<Comfort, _>(py, &["weather"], progress.as_ref(), |args, _, resources| {
         let later = Some(args.request()).filter(|request| !request.replay.weather.as_os_str().is_empty());
         args.archive(later.as_ref(), resources)
@@ -69,7 +69,7 @@ pub fn comfort(py: Python<'_>, asked: Asked, progress: Option<Bound<'_, PyAny>>)
 
 /// Writes an EnergyPlus model with the sunlight that its surroundings reflect.
 #[pyfunction]
-pub fn energyplus(py: Python<'_>, asked: Asked, progress: Option<Bound<'_, PyAny>>) -> PyResult<()> {
+pub fn energyplus(py: Python<'_>, asked: Keywords, progress: Option<Bound<'_, PyAny>>) -> PyResult<()> {
     asked.run::<Energyplus, _>(py, &[], progress.as_ref(), |args, _, resources| args.request.write(resources))
 }
 
@@ -78,7 +78,7 @@ pub fn energyplus(py: Python<'_>, asked: Asked, progress: Option<Bound<'_, PyAny
 #[pyfunction]
 pub fn partition(
     py: Python<'_>,
-    asked: Asked,
+    asked: Keywords,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<(usize, Option<String>)> {
     asked.run::<PartitionRequest, _>(py, &[], progress.as_ref(), |request, _, resources| {
@@ -89,7 +89,7 @@ pub fn partition(
 
 /// Writes the catalogue of an atlas.
 #[pyfunction]
-pub fn catalogue(py: Python<'_>, asked: Asked) -> PyResult<()> {
+pub fn catalogue(py: Python<'_>, asked: Keywords) -> PyResult<()> {
     asked.run::<Catalogue, _>(py, &[], None, |args, about, resources| {
         heliotile::atlas::catalogue(&args.atlas, &args.request, about, resources.observer)
     })
@@ -97,19 +97,19 @@ pub fn catalogue(py: Python<'_>, asked: Asked) -> PyResult<()> {
 
 /// Writes the union of two archives of one scene.
 #[pyfunction]
-pub fn merge(py: Python<'_>, asked: Asked, progress: Option<Bound<'_, PyAny>>) -> PyResult<()> {
+pub fn merge(py: Python<'_>, asked: Keywords, progress: Option<Bound<'_, PyAny>>) -> PyResult<()> {
     asked.run::<Merge, _>(py, &[], progress.as_ref(), |args, _, resources| args.write(resources.observer).map(drop))
 }
 
 /// Compares two archives. Returns true if they are equal, and their differences as text.
 #[pyfunction]
-pub fn diff(py: Python<'_>, asked: Asked) -> PyResult<(bool, String)> {
+pub fn diff(py: Python<'_>, asked: Keywords) -> PyResult<(bool, String)> {
     asked.run::<Diff, _>(py, &[], None, |args, _, _| args.found())
 }
 
 /// Writes a table of receivers on surfaces or along lines. Returns a summary.
 #[pyfunction]
-pub fn receivers(py: Python<'_>, asked: Asked, progress: Option<Bound<'_, PyAny>>) -> PyResult<String> {
+pub fn receivers(py: Python<'_>, asked: Keywords, progress: Option<Bound<'_, PyAny>>) -> PyResult<String> {
     asked.run::<Receivers, _>(py, &[], progress.as_ref(), |args, _, resources| {
         args.write(resources.observer).map(|text| worded_text(&text))
     })
@@ -117,7 +117,7 @@ pub fn receivers(py: Python<'_>, asked: Asked, progress: Option<Bound<'_, PyAny>
 
 /// Forecasts a build. Returns the number of receivers, and the forecast as text.
 #[pyfunction]
-pub fn plan(py: Python<'_>, asked: Asked, progress: Option<Bound<'_, PyAny>>) -> PyResult<(usize, String)> {
+pub fn plan(py: Python<'_>, asked: Keywords, progress: Option<Bound<'_, PyAny>>) -> PyResult<(usize, String)> {
     asked.run::<Build, _>(py, &[], progress.as_ref(), |args, _, resources| {
         let scene = loaded(&args.scene, resources.observer)?;
         let planned = args.forecast(&scene, asked.table(args.receivers()?), resources)?;
@@ -135,7 +135,7 @@ pub fn loaded(request: &SceneRequest, observer: &dyn heliotile::Observer) -> Res
 /// Compares an archive with the reference path tracer. Returns the result as JSON and a table as
 /// text. Writes the table of pairs, pictures and a page to a folder, if one is given.
 #[pyfunction]
-pub fn audit(py: Python<'_>, asked: Asked, progress: Option<Bound<'_, PyAny>>) -> PyResult<(String, String)> {
+pub fn audit(py: Python<'_>, asked: Keywords, progress: Option<Bound<'_, PyAny>>) -> PyResult<(String, String)> {
     asked.run::<Audit, _>(py, &[], progress.as_ref(), |args, about, resources| {
         let report = args.request.run(resources)?;
         if let Some(folder) = &args.output {
@@ -147,7 +147,7 @@ pub fn audit(py: Python<'_>, asked: Asked, progress: Option<Bound<'_, PyAny>>) -
 
 /// Checks every block of an archive, or of all archives of an atlas.
 #[pyfunction]
-pub fn verify(py: Python<'_>, asked: Asked) -> PyResult<Vec<CheckedRow>> {
+pub fn verify(py: Python<'_>, asked: Keywords) -> PyResult<Vec<CheckedRow>> {
     asked.run::<VerifyRequest, _>(py, &[], None, |request, _, _| {
         let mut found = Vec::new();
         request.each(|checked| {
@@ -166,7 +166,7 @@ pub fn verify(py: Python<'_>, asked: Asked) -> PyResult<Vec<CheckedRow>> {
 #[pyfunction]
 pub fn repair(
     py: Python<'_>,
-    asked: Asked,
+    asked: Keywords,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<(PathBuf, Vec<ProblemRow>, u64, String)> {
     asked.run::<Repair, _>(py, &[], progress.as_ref(), |args, _, resources| {
@@ -179,7 +179,7 @@ pub fn repair(
 /// Edits the scene of an archive. Returns the new archive, what became of the receivers, the number
 /// of rays traced, and these as text.
 #[pyfunction]
-pub fn update(py: Python<'_>, asked: Asked, progress: Option<Bound<'_, PyAny>>) -> PyResult<UpdateRow> {
+pub fn update(py: Python<'_>, asked: Keywords, progress: Option<Bound<'_, PyAny>>) -> PyResult<UpdateRow> {
     asked.run::<Update, _>(py, &[], progress.as_ref(), |args, _, resources| {
         let done = args.request().write(resources)?;
         let said = done.text();
@@ -189,7 +189,7 @@ pub fn update(py: Python<'_>, asked: Asked, progress: Option<Bound<'_, PyAny>>) 
 
 /// Tries settings on a site. Returns their cost and accuracy as JSON.
 #[pyfunction]
-pub fn tradeoff(py: Python<'_>, asked: Asked, progress: Option<Bound<'_, PyAny>>) -> PyResult<String> {
+pub fn tradeoff(py: Python<'_>, asked: Keywords, progress: Option<Bound<'_, PyAny>>) -> PyResult<String> {
     asked.run::<Tradeoff, _>(py, &[], progress.as_ref(), |args, about, resources| {
         json(&args.request.write(about, resources, |_| Ok(()))?)
     })
@@ -197,13 +197,13 @@ pub fn tradeoff(py: Python<'_>, asked: Asked, progress: Option<Bound<'_, PyAny>>
 
 /// Writes the layers of a receiver, or the view factors of all receivers.
 #[pyfunction]
-pub fn export(py: Python<'_>, asked: Asked) -> PyResult<()> {
+pub fn export(py: Python<'_>, asked: Keywords) -> PyResult<()> {
     asked.run::<Export, _>(py, &[], None, |args, about, resources| args.request().write(about, resources))
 }
 
 /// Writes the web page that shows an archive.
 #[pyfunction]
-pub fn view(py: Python<'_>, asked: Asked, output: PathBuf, access: Option<&str>) -> PyResult<()> {
+pub fn view(py: Python<'_>, asked: Keywords, output: PathBuf, access: Option<&str>) -> PyResult<()> {
     let access: Option<Access> = access
         .map(|name| heliotile::names::by_name("access", name))
         .transpose()

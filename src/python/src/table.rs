@@ -8,16 +8,16 @@ use heliotile::{Receiver, Result};
 type Views = [f32; 3];
 
 /// Property of a receiver that a column holds.
-enum Told {
+enum ReceiverColumn {
     /// Text, empty where it is not known.
     Text(fn(&Receiver) -> &str),
     /// Metres, m2 or shares; NaN where it is not known.
     Number(fn(&Receiver, Views) -> f64),
 }
 
-use Told::{Number, Text};
+use ReceiverColumn::{Number, Text};
 
-const COLUMNS: [(&str, Told); 15] = [
+const COLUMNS: [(&str, ReceiverColumn); 15] = [
     ("receiver", Text(|receiver| &receiver.id)),
     ("x", Number(|receiver, _| receiver.position.x)),
     ("y", Number(|receiver, _| receiver.position.y)),

@@ -46,13 +46,13 @@ pub fn use_threads(count: usize) -> usize {
 #[derive(Default)]
 pub struct Watch {
     stop: AtomicBool,
-    told: Mutex<Told>,
+    told: Mutex<PendingMessages>,
     finished: Mutex<bool>,
     changed: Condvar,
 }
 
 #[derive(Default)]
-struct Told {
+struct PendingMessages {
     stages: Vec<StageCount>,
     warnings: Vec<String>,
 }

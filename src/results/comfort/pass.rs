@@ -11,7 +11,7 @@ use super::columns::ComfortColumns;
 use super::persons::{PersonCollector, PersonSet, PointLight};
 use super::request::{ComfortRequest, WindChoice};
 use crate::archives::Archives;
-use crate::files::{FileRequest, RowFiles, RowsAbout, name_of};
+use crate::files::{OutputRequest, RowFiles, RowsAbout, name_of};
 use crate::outputs::periods::Every;
 use crate::outputs::provenance::Provenance;
 use crate::outputs::quantities::PlaceValues;
@@ -58,7 +58,7 @@ impl ComfortRequest {
     /// Writes the files; `place` is the path of the archive or of the atlas.
     pub fn write(
         &self,
-        files: &FileRequest,
+        files: &OutputRequest,
         stream: &TileStream,
         archives: Archives,
         place: &Path,

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use super::request::ComfortChoice;
 use crate::outputs::provenance::Provenance;
-use crate::request::LightChoice;
+use crate::request::LightRequest;
 use crate::series::Series;
 use crate::stream::TileStream;
 use heliotile_archives::transfer::Layers;
@@ -114,7 +114,7 @@ fn under_leaves(stream: &TileStream) -> Result<HashMap<String, f64>> {
         return Ok(found);
     }
     let series = Series::of_conditions(vec![uniform_sky()], Changes::default(), Provenance::default());
-    let light = LightChoice { sky: SkyChoice::Model(SkyModel::Uniform), ..LightChoice::default() };
+    let light = LightRequest { sky: SkyChoice::Model(SkyModel::Uniform), ..LightRequest::default() };
     let stream = TileStream { series: &series, light: &light, ..*stream };
     stream.each(ComponentSet::new(&[Component::SkyDirect]), |tile| {
         let share = |row: usize| open_share(tile.values.row(Component::SkyDirect, row));

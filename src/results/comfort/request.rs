@@ -6,7 +6,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use crate::files::FileRequest;
+use crate::files::OutputRequest;
 use crate::outputs::periods::Every;
 use crate::request::ReplayRequest;
 use heliotile_comfort::mean_radiant::RadiantBody;
@@ -205,7 +205,7 @@ impl ComfortRequest {
 
     /// Refuses numbers out of range and files that cannot hold such results, before an archive is
     /// opened.
-    pub fn check(&self, files: &FileRequest, inputs: &[&Path]) -> Result<()> {
+    pub fn check(&self, files: &OutputRequest, inputs: &[&Path]) -> Result<()> {
         self.stream().check()?;
         let choice = &self.choice;
         if !(FILMS_W_M2_K[0]..=FILMS_W_M2_K[1]).contains(&choice.film_w_m2_k) {

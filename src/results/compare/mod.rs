@@ -15,8 +15,8 @@ mod variant;
 use std::path::{Path, PathBuf};
 
 use super::buildings::check_table;
-use super::files::FileRequest;
-use super::request::{LightChoice, QueryRequest, ReplayRequest};
+use super::files::OutputRequest;
+use super::request::{LightRequest, QueryRequest, ReplayRequest};
 use crate::outputs::periods::Every;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::{Component, ComponentList};
@@ -34,7 +34,7 @@ pub struct CompareRequest {
     /// summary has a row for each.
     pub after: Vec<PathBuf>,
     /// Suns and skies, and the light that counts; without columns: the total.
-    pub under: Illumination,
+    pub under: LightSource,
     /// Table with a row for each archive after.
     pub summary: Option<PathBuf>,
     /// Table of the receivers that exist on one side only.
@@ -43,47 +43,47 @@ pub struct CompareRequest {
 
 /// Source of suns and skies.
 #[derive(Clone, Debug)]
-pub enum Illumination {
+pub enum LightSource {
     /// Suns and skies of a weather file.
     Weather(Box<ReplayRequest>),
     /// Suns and skies of a table of conditions.
     Conditions(Box<QueryRequest>),
 }
 
-impl From<ReplayRequest> for Illumination {
+impl From<ReplayRequest> for LightSource {
     fn from(request: ReplayRequest) -> Self {
-        Illumination::Weather(Box::new(request))
+        LightSource::Weather(Box::new(request))
     }
 }
 
-impl From<QueryRequest> for Illumination {
+impl From<QueryRequest> for LightSource {
     fn from(request: QueryRequest) -> Self {
-        Illumination::Conditions(Box::new(request))
+        LightSource::Conditions(Box::new(request))
     }
 }
 
-impl Illumination {
+impl LightSource {
     /// Returns the light that counts.
-    pub fn light(&self) -> &LightChoice {
+    pub fn light(&self) -> &LightRequest {
         match self {
-            Illumination::Weather(request) => &request.light,
-            Illumination::Conditions(request) => &request.light,
+            LightSource::Weather(request) => &request.light,
+            LightSource::Conditions(request) => &request.light,
         }
     }
 
     /// Returns the period of a row; `None` under conditions.
     pub fn every(&self) -> Option<Every> {
         match self {
-            Illumination::Weather(request) => Some(request.every),
-            Illumination::Conditions(_) => None,
+            LightSource::Weather(request) => Some(request.every),
+            LightSource::Conditions(_) => None,
         }
     }
 
     /// Returns the files that are read besides archives.
     pub fn files(&self) -> Vec<&Path> {
         match self {
-            Illumination::Weather(request) => request.files().collect(),
-            Illumination::Conditions(request) => request.files().collect(),
+            LightSource::Weather(request) => request.files().collect(),
+            LightSource::Conditions(request) => request.files().collect(),
         }
     }
 }
@@ -91,10 +91,10 @@ impl Illumination {
 impl CompareRequest {
     /// Refuses choices that exclude each other, and files that would replace an input or each
     /// other, before anything is read.
-    pub fn check(&self, files: &FileRequest, inputs: &[&Path]) -> Result<()> {
+    pub fn check(&self, files: &OutputRequest, inputs: &[&Path]) -> Result<()> {
         let every = match &self.under {
-            Illumination::Weather(request) => request.check().map(|()| Some(request.every))?,
-            Illumination::Conditions(request) => request.check().map(|()| None)?,
+            LightSource::Weather(request) => request.check().map(|()| Some(request.every))?,
+            LightSource::Conditions(request) => request.check().map(|()| None)?,
         };
         if self.after.is_empty() {
             return Err(Error::argument(
@@ -130,7 +130,7 @@ impl CompareRequest {
     /// Returns true if rows of places are written, which needs exactly one archive after. If a
     /// summary or pictures are requested, the default `-` does not count as a request for standard
     /// output.
-    pub fn has_details(&self, files: &FileRequest) -> bool {
+    pub fn has_details(&self, files: &OutputRequest) -> bool {
         let is_asked = files.output != Path::new("-") || !files.plots.is_empty() || self.summary.is_none();
         self.after.len() == 1 && is_asked
     }

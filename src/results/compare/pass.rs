@@ -7,12 +7,12 @@ use super::summary::{CompareSummary, unmatched_table};
 use super::variant::{BeforePlaces, Variant, VariantReplay};
 use super::{CompareRequest, doubts};
 use crate::archives::{Archives, Sources};
-use crate::files::{FileRequest, Question, RowsAbout, name_of, write_rows};
+use crate::files::{OutputRequest, Question, RowsAbout, name_of, write_rows};
 use crate::outputs::periods::Every;
 use crate::outputs::provenance::Provenance;
 use crate::outputs::tables::layout::{BinKind, By, Layout};
 use crate::receivers::{ReceiverChoice, ReceiverSet};
-use crate::request::LightChoice;
+use crate::request::LightRequest;
 use crate::series::{Coarsening, Series};
 use crate::stream::{Tile, TileSink, TileStream};
 use heliotile_core::error::Result;
@@ -39,14 +39,14 @@ impl CompareRequest {
     /// Writes the files and returns the summary; `open` opens the archives at a path.
     pub fn write(
         &self,
-        files: &FileRequest,
+        files: &OutputRequest,
         before: &BeforeSide,
         open: &dyn Fn(&Path) -> Result<Sources>,
     ) -> Result<CompareSummary> {
         let (has_details, asked) = (self.has_details(files), self.columns());
         let columns = if has_details { asked.clone() } else { ComponentList::new(asked.main()) };
         let patches = Some(before.stream.light.patches_of(before.archives.first()));
-        let light = LightChoice { patches, ..before.stream.light.only(columns.clone()) };
+        let light = LightRequest { patches, ..before.stream.light.only(columns.clone()) };
         let totals = before.stream.series.by(Every::Total);
         let series = if has_details { before.stream.series } else { &totals };
         let stream = TileStream { light: &light, series, ..*before.stream };

@@ -4,7 +4,7 @@
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use super::FileRequest;
+use super::OutputRequest;
 use crate::outputs::city_model::{CityModelWriter, ModelSums, RewriteError, is_city_model};
 use crate::outputs::periods::Every;
 use crate::outputs::provenance::Provenance;
@@ -22,7 +22,7 @@ use heliotile_remote::naming::shown;
 const HINT: &str = "give the city model from which the receivers were made, unchanged";
 
 /// Refuses requests that a city model cannot hold, before anything is read.
-pub fn check(request: &FileRequest, every: Option<Every>, model: &Path) -> Result<()> {
+pub fn check(request: &OutputRequest, every: Option<Every>, model: &Path) -> Result<()> {
     let output = &request.output;
     if !is_city_model(output) || is_sequence(output) != is_sequence(model) {
         let ending = if is_sequence(model) { ".city.jsonl" } else { ".city.json" };

@@ -31,7 +31,7 @@ pub use rows::{MapFile, Question, ResultSink, RowFiles, RowsAbout, groups_of, ro
 
 /// Files that results are written to.
 #[derive(Clone, Debug, Request)]
-pub struct FileRequest {
+pub struct OutputRequest {
     /// Table or map, in a format by the ending of its name; `-`: CSV on standard output, or nothing
     /// if there are plots.
     #[field(short = 'o', default = "-", help = output_help, output = Results)]
@@ -66,17 +66,17 @@ pub struct FileRequest {
     pub honeybee: Option<PathBuf>,
 }
 
-impl Default for FileRequest {
+impl Default for OutputRequest {
     fn default() -> Self {
-        FileRequest::new("-")
+        OutputRequest::new("-")
     }
 }
 
-impl FileRequest {
+impl OutputRequest {
     /// Returns a request for a table or a map of receivers.
     pub fn new(output: impl Into<PathBuf>) -> Self {
         let (output, by) = (output.into(), By::Receiver);
-        FileRequest { output, by, positions: false, geo: false, plots: Vec::new(), model: None, honeybee: None }
+        OutputRequest { output, by, positions: false, geo: false, plots: Vec::new(), model: None, honeybee: None }
     }
 
     /// Refuses files that cannot hold such results, and files that would replace an input, before

@@ -3,10 +3,10 @@
 
 use std::path::{Path, PathBuf};
 
-use super::FileRequest;
+use super::OutputRequest;
 use super::charts::{AreaChart, Plot};
 use super::map::{MapStart, say_large};
-use crate::outputs::groups::{Extent, GroupMeans, Groups};
+use crate::outputs::groups::{GroupGeometry, GroupMeans, Groups};
 use crate::outputs::provenance::Provenance;
 use crate::outputs::quantities::PlaceValues;
 use crate::outputs::result_file::ResultFile;
@@ -160,7 +160,7 @@ impl<'a> RowFiles<'a> {
     }
 
     /// Hands the values of some places to all files; `extents` are the extents of groups.
-    pub fn write(&mut self, names: &[String], values: &PlaceValues, extents: &[Extent]) -> Result<()> {
+    pub fn write(&mut self, names: &[String], values: &PlaceValues, extents: &[GroupGeometry]) -> Result<()> {
         self.writers.iter_mut().try_for_each(|(_, to)| to.write_tile(names, values, extents))
     }
 
@@ -216,14 +216,14 @@ impl<'a> ResultSink<'a> {
     }
 
     /// Hands the values of some places in each archive to all files.
-    fn write(&mut self, names: &[String], sides: &[&TileValues], extents: &[Extent]) -> Result<()> {
+    fn write(&mut self, names: &[String], sides: &[&TileValues], extents: &[GroupGeometry]) -> Result<()> {
         self.files.write(names, &PlaceValues::new(sides, self.components.as_slice()), extents)
     }
 
     /// Returns the extents of the next receivers, if the table has their positions.
-    fn extents(&mut self, count: usize) -> Result<Vec<Extent>> {
+    fn extents(&mut self, count: usize) -> Result<Vec<GroupGeometry>> {
         let next = self.positions.iter_mut().flat_map(|all| all.take(count));
-        next.map(|receiver| Ok(Extent::new(&receiver?, self.north))).collect()
+        next.map(|receiver| Ok(GroupGeometry::new(&receiver?, self.north))).collect()
     }
 
     /// Completes the files.
@@ -263,7 +263,7 @@ impl TileSink for ResultSink<'_> {
 
 /// Writes the files of a request from the tiles that `feed` hands on.
 pub fn write_rows<'s>(
-    request: &'s FileRequest,
+    request: &'s OutputRequest,
     question: Question,
     stream: &TileStream<'s>,
     told: &'s RowsAbout<'s>,

@@ -38,14 +38,14 @@ pub struct Groups {
     /// `[receiver]`: share of the area of its group.
     shares: Vec<f64>,
     /// `[group]`: area and direction.
-    extents: Vec<Extent>,
+    extents: Vec<GroupGeometry>,
     /// Archive of the receivers, for messages.
     file: PathBuf,
 }
 
 /// Area and direction of a group.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Extent {
+pub struct GroupGeometry {
     /// Area in m2; `None` if no receiver has an area.
     pub area_m2: Option<f64>,
     /// Mean of the normals by area, of unit length; zero if they cancel.
@@ -56,11 +56,11 @@ pub struct Extent {
     pub position: DVec3,
 }
 
-impl Extent {
+impl GroupGeometry {
     /// Returns the extent of a receiver, with its normal by true north.
-    pub fn new(receiver: &Receiver, north: North) -> Extent {
+    pub fn new(receiver: &Receiver, north: North) -> GroupGeometry {
         let Receiver { area, normal, position, .. } = *receiver;
-        Extent { area_m2: area, normal: north.to_true(normal), agreement: 1.0, position }
+        GroupGeometry { area_m2: area, normal: north.to_true(normal), agreement: 1.0, position }
     }
 }
 
@@ -131,15 +131,15 @@ impl Groups {
         let extent = |group: &Found| match group.with_area {
             0 => {
                 let agreement = group.plain.length() / group.receivers.max(1) as f64;
-                Extent { normal: group.plain.normalize_or_zero(), agreement, ..Extent::default() }
+                GroupGeometry { normal: group.plain.normalize_or_zero(), agreement, ..GroupGeometry::default() }
             }
             _ => {
                 let agreement = group.weighted.length() / group.area_m2;
-                Extent {
+                GroupGeometry {
                     area_m2: Some(group.area_m2),
                     normal: group.weighted.normalize_or_zero(),
                     agreement,
-                    ..Extent::default()
+                    ..GroupGeometry::default()
                 }
             }
         };
@@ -169,7 +169,7 @@ impl Groups {
     }
 
     /// Returns the area and direction of each group.
-    pub fn extents(&self) -> &[Extent] {
+    pub fn extents(&self) -> &[GroupGeometry] {
         &self.extents
     }
 
@@ -274,7 +274,7 @@ impl GroupMeans {
 
     /// Returns the means, tile by tile: names, values and extents of some groups. Components that
     /// were not requested are zero.
-    pub fn tiles(&self) -> impl Iterator<Item = (Vec<String>, TileValues, &[Extent])> + '_ {
+    pub fn tiles(&self) -> impl Iterator<Item = (Vec<String>, TileValues, &[GroupGeometry])> + '_ {
         self.groups.names.chunks(GROUPS_AT_ONCE).enumerate().map(move |(i, names)| {
             let mut values = TileValues::new(names.len(), self.bins);
             let first = i * GROUPS_AT_ONCE * self.bins;

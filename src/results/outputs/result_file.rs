@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use crate::outputs::groups::Extent;
+use crate::outputs::groups::GroupGeometry;
 use crate::outputs::quantities::PlaceValues;
 use crate::outputs::row_maker::RowMaker;
 use crate::outputs::shapes::writer::{MapFormat, MapStats, MapWriter};
@@ -60,7 +60,7 @@ pub enum ResultFile<'a> {
 impl ResultFile<'_> {
     /// Appends the rows of some places; `extents` has one entry for each group and is empty for
     /// receivers.
-    pub fn write_tile(&mut self, names: &[String], values: &PlaceValues, extents: &[Extent]) -> Result<()> {
+    pub fn write_tile(&mut self, names: &[String], values: &PlaceValues, extents: &[GroupGeometry]) -> Result<()> {
         match self {
             ResultFile::Table(rows, table) => rows.write(table, names, values, extents),
             ResultFile::Map(map) => map.write_tile(names, values, extents),

@@ -4,7 +4,7 @@
 use std::borrow::Cow;
 use std::path::Path;
 
-use crate::outputs::groups::Extent;
+use crate::outputs::groups::GroupGeometry;
 use crate::outputs::periods::Every;
 use crate::outputs::provenance::Provenance;
 use crate::outputs::quantities::{ChangeKind, Measure, PlaceValues, Quantity, ValueSource};
@@ -61,7 +61,13 @@ impl RowMaker {
     /// Appends the rows of some places to a table. Values of another shape than names x bins are an
     /// error, and nothing is written then. `extents` has one entry for each group; for receivers it
     /// is empty, unless the table has their positions.
-    pub fn write(&self, table: &mut Table, names: &[String], values: &PlaceValues, extents: &[Extent]) -> Result<()> {
+    pub fn write(
+        &self,
+        table: &mut Table,
+        names: &[String],
+        values: &PlaceValues,
+        extents: &[GroupGeometry],
+    ) -> Result<()> {
         let (came, expected) = ((values.places(), values.bins()), (names.len(), self.labels.len()));
         if came != expected {
             let what =
@@ -78,7 +84,7 @@ impl RowMaker {
         &self,
         names: &'v [String],
         values: &PlaceValues<'v>,
-        extents: &[Extent],
+        extents: &[GroupGeometry],
         rounding: Option<Digits>,
     ) -> Batch<'v> {
         let quantities = self.layout.quantities.iter().map(|quantity| self.column(quantity, values, rounding));
@@ -113,9 +119,9 @@ impl RowMaker {
 
     /// Returns a fact at each row; a fact that does not depend on the bin is repeated in all rows
     /// of its group.
-    fn fact(&self, fact: Fact, values: &PlaceValues, extents: &[Extent]) -> Values<'static> {
+    fn fact(&self, fact: Fact, values: &PlaceValues, extents: &[GroupGeometry]) -> Values<'static> {
         let bins = values.bins();
-        let of_group: fn(&Extent) -> f64 = match fact {
+        let of_group: fn(&GroupGeometry) -> f64 = match fact {
             Fact::Area => area_m2,
             Fact::Tilt => |extent| tilt_and_azimuth(extent.normal).0,
             Fact::Azimuth => |extent| tilt_and_azimuth(extent.normal).1,
@@ -131,9 +137,9 @@ impl RowMaker {
     }
 
     /// Returns the sum of each group: its mean times its area.
-    fn sums(&self, values: &PlaceValues, extents: &[Extent]) -> Values<'static> {
+    fn sums(&self, values: &PlaceValues, extents: &[GroupGeometry]) -> Values<'static> {
         let main = self.layout.main_quantity().source;
-        let of_group = |(place, extent): (usize, &Extent)| {
+        let of_group = |(place, extent): (usize, &GroupGeometry)| {
             let area_m2 = area_m2(extent);
             (0..values.bins()).map(move |bin| (f64::from(values.value(main, place, bin)) * area_m2) as f32)
         };
@@ -142,7 +148,7 @@ impl RowMaker {
 }
 
 /// Returns a fact of a receiver; `None` if it has none.
-fn exact(fact: Fact, extent: &Extent) -> Option<f64> {
+fn exact(fact: Fact, extent: &GroupGeometry) -> Option<f64> {
     match fact {
         Fact::Coordinate(axis) => extent.position.to_array().get(axis).copied(),
         Fact::Direction(angle) => <[f64; 2]>::from(tilt_and_azimuth(extent.normal)).get(angle).map(|deg| clean(*deg)),
@@ -174,7 +180,7 @@ fn at_decimals(value: f64, count: Option<usize>) -> f64 {
     0.0 + count.and_then(|count| format!("{value:.count$}").parse().ok()).unwrap_or(value)
 }
 
-fn area_m2(extent: &Extent) -> f64 {
+fn area_m2(extent: &GroupGeometry) -> f64 {
     extent.area_m2.unwrap_or_default()
 }
 
@@ -196,8 +202,12 @@ mod tests {
         let mut values = TileValues::new(2, 1);
         values.component_mut(Component::Total).copy_from_slice(&[800.0, 500.0]);
         let extents = [
-            Extent { area_m2: Some(10.0), normal: DVec3::Z, ..Extent::default() },
-            Extent { area_m2: Some(4.0), normal: DVec3::new(0.0, -0.5, 0.75_f64.sqrt()), ..Extent::default() },
+            GroupGeometry { area_m2: Some(10.0), normal: DVec3::Z, ..GroupGeometry::default() },
+            GroupGeometry {
+                area_m2: Some(4.0),
+                normal: DVec3::new(0.0, -0.5, 0.75_f64.sqrt()),
+                ..GroupGeometry::default()
+            },
         ];
         let names = ["roof", "wall"].map(str::to_owned);
         let maker = RowMaker::new(layout.clone(), BinLabels::words(vec!["total".into()]), None);

@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use crate::load::Soup;
+use crate::load::ObjectTriangles;
 use heliotile_core::site::material::{Class, Material};
 use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::site::morton::lexicographic;
@@ -100,7 +100,7 @@ struct Group {
 
 impl Surfaces {
     /// Finds the surfaces of a scene; canopies and the endless ground have none.
-    pub fn find(soup: &Soup, materials: &[Material]) -> Surfaces {
+    pub fn find(soup: &ObjectTriangles, materials: &[Material]) -> Surfaces {
         let positions = distinct(&soup.positions);
         let rank = |corner: u32| {
             let p = soup.positions.get(corner as usize).copied().unwrap_or_default();

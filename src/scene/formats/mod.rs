@@ -49,7 +49,7 @@ use heliotile_files::input::NamedBytes;
 
 /// Options of a reader: how to read a file, and which parts of it besides the geometry.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Asked {
+pub(super) struct ReadOptions {
     /// True if the materials that the file itself describes are wanted.
     pub reflectances: bool,
     /// Names of the materials that the user describes elsewhere: their description in the file is
@@ -69,7 +69,7 @@ pub(super) struct Asked {
     pub assume_version: Option<ModelVersion>,
 }
 
-impl Asked {
+impl ReadOptions {
     /// Returns true if the file's own description of `material` is wanted.
     fn wants(&self, material: &str) -> bool {
         self.reflectances && !self.described.contains(material)
@@ -176,7 +176,7 @@ impl Format {
 }
 
 /// Reads a scene file of any format.
-pub(super) fn read(path: &Path, asked: &Asked) -> Result<Content> {
+pub(super) fn read(path: &Path, asked: &ReadOptions) -> Result<Content> {
     let mut ending = input::ending(path);
     let known = |ending: &str| ENDINGS.iter().find(|(known, _)| *known == ending).map(|(_, format)| *format);
     let packed = is_zip(path);

@@ -11,7 +11,7 @@ use crate::materials::select::class_of_name;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use crate::formats::Asked;
+use crate::formats::ReadOptions;
 use crate::formats::obj::Library;
 use crate::materials::select::MaterialTable;
 use crate::text::{Lines, Words, excerpt, keyword_and_rest, number, utf8};
@@ -21,13 +21,13 @@ use heliotile_core::text::{Message, message, with_list};
 use heliotile_files::input;
 
 /// Materials that are wanted from the libraries of an OBJ file.
-pub(super) struct Wanted<'a> {
-    pub asked: &'a Asked,
+pub(super) struct UsedMaterials<'a> {
+    pub asked: &'a ReadOptions,
     /// Names that faces use; several files may share a library and use a part of it each.
     pub used: HashSet<&'a str>,
 }
 
-impl Wanted<'_> {
+impl UsedMaterials<'_> {
     fn wants(&self, material: &str) -> bool {
         self.asked.wants(material) && self.used.contains(material)
     }
@@ -46,7 +46,7 @@ struct Undescribed {
 pub(super) fn read_libraries(
     obj: &Path,
     libraries: &[Library],
-    wanted: &Wanted,
+    wanted: &UsedMaterials,
     warnings: &mut Vec<Message>,
 ) -> Result<MaterialTable> {
     let folder = obj.parent().unwrap_or(Path::new(""));
@@ -121,7 +121,7 @@ struct Block {
 fn parse(
     bytes: &[u8],
     file: &Path,
-    wanted: &Wanted,
+    wanted: &UsedMaterials,
     table: &mut MaterialTable,
     warnings: &mut Vec<Message>,
 ) -> Result<Undescribed> {
@@ -234,14 +234,14 @@ mod tests {
 
     use super::*;
 
-    fn asked() -> Asked {
-        Asked { reflectances: true, ..Asked::default() }
+    fn asked() -> ReadOptions {
+        ReadOptions { reflectances: true, ..ReadOptions::default() }
     }
 
     fn read(text: &str) -> Result<(MaterialTable, Vec<String>)> {
         let (mut table, mut warnings) = (MaterialTable::new(), Vec::new());
         let used = text.lines().filter_map(|line| line.strip_prefix("newmtl ")).map(str::trim).collect();
-        let wanted = Wanted { asked: &asked(), used };
+        let wanted = UsedMaterials { asked: &asked(), used };
         parse(text.as_bytes(), Path::new("town.mtl"), &wanted, &mut table, &mut warnings)?;
         Ok((table, warnings.iter().map(|said| said.plain()).collect()))
     }
@@ -296,7 +296,7 @@ mod tests {
                     newmtl paint\nKd 0.9 0.9 0.9\nnewmtl mirror\nKd 1 1 1\nKs 0.7 0.7 0.7\nillum 3\nnewmtl unused\nKd spectral a.rfl\n";
         let used = ["wall", "roof", "near", "paint", "mirror"].into();
         let (mut table, mut warnings) = (MaterialTable::new(), Vec::new());
-        let wanted = Wanted { asked: &asked(), used };
+        let wanted = UsedMaterials { asked: &asked(), used };
         let nothing = parse(text.as_bytes(), Path::new("t.mtl"), &wanted, &mut table, &mut warnings).expect("readable");
         assert_eq!(table.keys().collect::<Vec<_>>(), ["mirror", "paint"]);
         assert!((table["paint"].diffuse - 0.9).abs() < 1e-12 && warnings.is_empty(), "{warnings:?}");
@@ -318,7 +318,7 @@ mod tests {
             ["my town.mtl", "b.mtl c.mtl", "gone.mtl"].map(|text| Library { line: 7, text: text.to_owned() });
         let mut warnings = Vec::new();
         let used = ["a", "b", "c"].into();
-        let wanted = Wanted { asked: &asked(), used };
+        let wanted = UsedMaterials { asked: &asked(), used };
         let table =
             read_libraries(&folder.path().join("town.obj"), &libraries, &wanted, &mut warnings).expect("readable");
         assert_eq!(table.keys().collect::<Vec<_>>(), ["a", "b", "c"]);

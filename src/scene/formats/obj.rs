@@ -7,8 +7,8 @@ use glam::DVec3;
 
 use crate::coordinate::MAX_COORDINATE_M;
 use crate::formats::mtl;
-use crate::formats::mtl::Wanted;
-use crate::formats::{Asked, stem};
+use crate::formats::mtl::UsedMaterials;
+use crate::formats::{ReadOptions, stem};
 use crate::geometry::Geometry;
 use crate::placing::y_up::HeaderUp;
 use crate::text::{Lines, Words, excerpt, keyword_and_rest, leading_index, number};
@@ -31,11 +31,11 @@ pub(crate) struct Library {
 }
 
 /// Reads an OBJ file, and its MTL libraries where reflectances are wanted.
-pub(super) fn read(bytes: &[u8], path: &Path, asked: &Asked) -> Result<Geometry> {
+pub(super) fn read(bytes: &[u8], path: &Path, asked: &ReadOptions) -> Result<Geometry> {
     let (mut geometry, libraries) = parse(bytes, path)?;
     if geometry.materials.as_slice().iter().any(|name| asked.wants(name)) {
         let names = geometry.materials.as_slice();
-        let wanted = Wanted { asked, used: names.iter().map(String::as_str).collect() };
+        let wanted = UsedMaterials { asked, used: names.iter().map(String::as_str).collect() };
         geometry.stated = mtl::read_libraries(path, &libraries, &wanted, &mut geometry.warnings)?;
     }
     Ok(geometry)

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use glam::{DVec2, DVec3};
 
-use crate::formats::{Asked, Content, read};
+use crate::formats::{Content, ReadOptions, read};
 use crate::geometry::Geometry;
 use crate::placing::frame::SiteFrame;
 use crate::region_part::RegionPart;
@@ -142,7 +142,7 @@ fn placed<'a>(
     };
     let mut layer = |file: &'_ Option<std::path::PathBuf>, values: Values| -> Result<Option<Raster>> {
         let Some(file) = file else { return Ok(None) };
-        let Content::Terrain(raster) = read(file, &Asked::default())? else { return Err(no_raster(file)) };
+        let Content::Terrain(raster) = read(file, &ReadOptions::default())? else { return Err(no_raster(file)) };
         let mut placed = place(raster, file, values)?;
         warnings.append(&mut placed.warnings);
         Ok(Some(placed))

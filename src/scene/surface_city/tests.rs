@@ -312,7 +312,7 @@ fn ground_and_crowns_are_a_forest() {
     let canopy = write("chm.asc", 60, 0.5, &|x, y| if is_crown(x, y) { 8.0 } else { 0.0 });
     let options = SurfaceRasters::of_files(None, Some(dem.clone()), Some(canopy), None).expect("a request");
     let part = crate::site::Part::surface(&options, None);
-    let read = crate::formats::read(&dem, &crate::formats::Asked::default()).expect("a raster");
+    let read = crate::formats::read(&dem, &crate::formats::ReadOptions::default()).expect("a raster");
     let crate::formats::Content::Terrain(raster) = read else { panic!("no raster") };
     let found = read::windows_of(&part, raster, &options, &Default::default(), 512).expect("a forest");
     let [found] = found.as_slice() else { panic!("{} windows", found.len()) };

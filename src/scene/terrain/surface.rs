@@ -27,7 +27,7 @@ const HORIZON_DEG: f64 = 0.2;
 const CURVED_BEYOND_M: f64 = 10_000.0;
 
 /// Options for the surface of a raster.
-pub(crate) struct Wanted<'a> {
+pub(crate) struct RasterOptions<'a> {
     pub file: &'a Path,
     pub object: &'a str,
     /// Box from which the raster is a horizon; `None` if the raster is the whole scene.
@@ -37,7 +37,7 @@ pub(crate) struct Wanted<'a> {
 }
 
 /// Returns the surface of a raster, and a note on its thinning.
-pub(crate) fn surface(mut raster: Raster, wanted: &Wanted) -> Result<(Geometry, Option<String>)> {
+pub(crate) fn surface(mut raster: Raster, wanted: &RasterOptions) -> Result<(Geometry, Option<String>)> {
     let mut geometry = Geometry::default();
     geometry.warnings.append(&mut raster.warnings);
     geometry.reference = raster.reference;
@@ -125,7 +125,7 @@ fn fill(
     geometry: &mut Geometry,
     raster: &Raster,
     triangles: impl Iterator<Item = [Sample; 3]>,
-    wanted: &Wanted,
+    wanted: &RasterOptions,
 ) -> Result<usize> {
     let (material, object) = (geometry.materials.id(NAME), geometry.objects.id(wanted.object));
     let mut numbers = vec![u32::MAX; raster.samples()];

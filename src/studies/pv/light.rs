@@ -21,7 +21,7 @@ use heliotile_results::outputs::pv::sums::{MonthlySums, PARTS};
 use heliotile_results::outputs::tables::bin_labels::BinLabels;
 use heliotile_results::own_skies::SkyChoice;
 use heliotile_results::{
-    Archives, Every, LightChoice, Provenance, ReceiverSet, ReplayRequest, Resources, Series, Tile, TileStream,
+    Archives, Every, LightRequest, Provenance, ReceiverSet, ReplayRequest, Resources, Series, Tile, TileStream,
 };
 use heliotile_weather::dated::DatedRows;
 use heliotile_weather::series::Weather;
@@ -39,7 +39,7 @@ pub struct Light<'a> {
 
 /// Returns the replay of a study.
 fn replay_of(request: &PvRequest) -> ReplayRequest {
-    let light = LightChoice { sky: SkyChoice::Model(request.sky), ..LightChoice::default() };
+    let light = LightRequest { sky: SkyChoice::Model(request.sky), ..LightRequest::default() };
     let PvRequest { weather, year, stamp, snow, snow_reflectance, .. } = request;
     let (year, stamp, snow, snow_reflectance) = (*year, *stamp, *snow, *snow_reflectance);
     ReplayRequest { light, year, stamp, snow, snow_reflectance, ..ReplayRequest::new(weather) }
@@ -106,7 +106,7 @@ impl<'a> Light<'a> {
 
     /// Notes doubts about an archive in the band of photosynthetically active radiation.
     pub fn tell_par(&self, archive: &Archive) -> Result<()> {
-        let light = LightChoice { bands: Box::new(BandList::new(&[Band::Par])), ..LightChoice::default() };
+        let light = LightRequest { bands: Box::new(BandList::new(&[Band::Par])), ..LightRequest::default() };
         light.tell_bands(Archives::one(archive), self.resources.observer)
     }
 

@@ -34,7 +34,7 @@ use heliotile_results::outputs::tables::format::table_endings;
 use heliotile_results::resources::Resources;
 use heliotile_scene::Scene;
 use heliotile_scene::covering::surfaces::Surfaces;
-use heliotile_scene::load::Soup;
+use heliotile_scene::load::ObjectTriangles;
 use heliotile_scene::points::places::{PlacePoint, PointDefaults, read_points};
 use heliotile_scene::pv::rows::{RowsOfModules, read_rows};
 use heliotile_scene::request::SceneRequest;
@@ -135,15 +135,15 @@ pub struct PvDone {
 }
 
 /// Points or rows of modules of a study.
-enum Wanted {
+enum ModuleSource {
     Points(Vec<PlacePoint>),
     Rows(Vec<RowsOfModules>),
 }
 
-impl Wanted {
+impl ModuleSource {
     /// Returns true if receivers on the ground are requested.
     fn has_ground(&self) -> bool {
-        matches!(self, Wanted::Rows(all) if all.iter().any(|rows| rows.ground_step_m.is_some()))
+        matches!(self, ModuleSource::Rows(all) if all.iter().any(|rows| rows.ground_step_m.is_some()))
     }
 }
 
@@ -186,14 +186,14 @@ fn run(request: &PvRequest, about: Provenance, resources: &Resources) -> Result<
     let prepared = PreparedScene::new(&scene)?;
     let siting = Siting::new(&prepared);
     let laid = match &wanted {
-        Wanted::Points(_) => None,
-        Wanted::Rows(rows) => {
+        ModuleSource::Points(_) => None,
+        ModuleSource::Rows(rows) => {
             let surfaces = Surfaces::find(&soup, &scene.materials);
             Some(LaidRows::lay(request.rows_file(), rows.clone(), &surfaces, &siting, north, observer)?)
         }
     };
     let mut spots = match (&wanted, &laid) {
-        (Wanted::Points(points), _) => Spots::of_points(request.points_file(), points, &siting, &scene)?,
+        (ModuleSource::Points(points), _) => Spots::of_points(request.points_file(), points, &siting, &scene)?,
         (_, laid) => Spots::of_modules(laid.iter().flat_map(LaidRows::modules), &siting),
     };
     let ground = match &laid {
@@ -305,26 +305,26 @@ impl PvRequest {
         OrientationLimits { tilts_deg: self.tilts_deg, azimuths_deg: self.azimuths_deg }
     }
 
-    fn wanted(&self, observer: &dyn Observer) -> Result<Wanted> {
+    fn wanted(&self, observer: &dyn Observer) -> Result<ModuleSource> {
         match (&self.points, &self.rows) {
             (Some(file), None) => {
                 let mut warnings = Vec::new();
                 let defaults = PointDefaults { needs_turns: !self.search, height_m: None };
                 let points = read_points(file, defaults, &mut warnings)?;
                 warnings.iter().for_each(|text| observer.warn(text));
-                Ok(Wanted::Points(points))
+                Ok(ModuleSource::Points(points))
             }
-            (None, Some(file)) => read_rows(file).map(Wanted::Rows),
+            (None, Some(file)) => read_rows(file).map(ModuleSource::Rows),
             _ => Err(Error::argument("points, rows", "neither is given", "give a table of points, or rows")),
         }
     }
 }
 
 /// Loads the scene; its objects are loaded only for rows, which may name surfaces.
-fn load(site: &SceneFiles, wanted: &Wanted, observer: &dyn Observer) -> Result<(Scene, Soup)> {
+fn load(site: &SceneFiles, wanted: &ModuleSource, observer: &dyn Observer) -> Result<(Scene, ObjectTriangles)> {
     let loaded = match wanted {
-        Wanted::Points(_) => (Scene::load_site(site)?, Soup::default()),
-        Wanted::Rows(_) => Scene::load_with_objects(site)?,
+        ModuleSource::Points(_) => (Scene::load_site(site)?, ObjectTriangles::default()),
+        ModuleSource::Rows(_) => Scene::load_with_objects(site)?,
     };
     loaded.0.report.tell(observer);
     Ok(loaded)

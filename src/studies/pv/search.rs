@@ -39,7 +39,7 @@ const NEAR_PERCENT: f64 = 1.0;
 const MAX_PEAKS: usize = 3;
 
 /// Orientations to trace at a place.
-struct Asked {
+struct OrientationTrial {
     place: DVec3,
     turns: Vec<Orientation>,
 }
@@ -82,15 +82,16 @@ impl Fans<'_, '_> {
     fn search(&self, prepared: &PreparedScene, spots: &[Spot], limits: &OrientationLimits) -> Result<Vec<PointSearch>> {
         let rings = limits.rings(COARSE_DEG);
         let turns: Vec<Orientation> = rings.iter().flat_map(Ring::turns).collect();
-        let asked: Vec<Asked> = spots.iter().map(|spot| Asked { place: spot.position, turns: turns.clone() }).collect();
+        let asked: Vec<OrientationTrial> =
+            spots.iter().map(|spot| OrientationTrial { place: spot.position, turns: turns.clone() }).collect();
         let coarse = self.totals(prepared, &asked)?;
         let peaks: Vec<Vec<Orientation>> = coarse.iter().map(|found| peaks_of(found)).collect();
-        let asked: Vec<Asked> = spots
+        let asked: Vec<OrientationTrial> = spots
             .iter()
             .zip(&peaks)
             .map(|(spot, peaks)| {
                 let fans = peaks.iter().flat_map(|peak| around(*peak, FINE_DEG, FINE_CIRCLES));
-                Asked {
+                OrientationTrial {
                     place: spot.position,
                     turns: [Orientation::FLAT].into_iter().chain(spot.given).chain(fans).collect(),
                 }
@@ -102,7 +103,7 @@ impl Fans<'_, '_> {
     }
 
     /// Returns the totals of all orientations at all places, in their order.
-    fn totals(&self, prepared: &PreparedScene, asked: &[Asked]) -> Result<Vec<Vec<OrientationValue>>> {
+    fn totals(&self, prepared: &PreparedScene, asked: &[OrientationTrial]) -> Result<Vec<Vec<OrientationValue>>> {
         let north = North::new(prepared.scene.place.as_ref());
         let id = |place: usize, turn: usize| format!("{place}/{turn}");
         let receivers: Vec<Receiver> = asked
@@ -117,7 +118,7 @@ impl Fans<'_, '_> {
             .collect();
         let traced = trace_aside(prepared, &receivers, self.settings, self.folder, self.light.observer())?;
         let totals: HashMap<String, f64> = self.light.totals(traced.archive())?;
-        let found = |(place, asked): (usize, &Asked)| {
+        let found = |(place, asked): (usize, &OrientationTrial)| {
             let value = |i: usize| totals.get(&id(place, i)).copied().unwrap_or_default();
             asked.turns.iter().enumerate().map(|(i, turn)| OrientationValue { turn: *turn, value: value(i) }).collect()
         };

@@ -15,7 +15,7 @@ use folder::RunFiles;
 use heliotile_builder::planning::parse_negligible;
 use heliotile_requests::{OutputKind, Request, Role};
 use heliotile_results::archives::Archives;
-use heliotile_results::files::FileRequest;
+use heliotile_results::files::OutputRequest;
 use heliotile_results::outputs::periods::Every;
 use heliotile_results::outputs::provenance::Provenance;
 use heliotile_results::outputs::tables::format::table_endings;
@@ -171,7 +171,7 @@ impl RunRequest {
         let files = RunFiles::new(self, &site);
         files.guard(&site, self)?;
         let sunlight = self.sunlight();
-        let rules = FileRequest { by: self.by, ..FileRequest::new(files.rules(self)) };
+        let rules = OutputRequest { by: self.by, ..OutputRequest::new(files.rules(self)) };
         sunlight.iter().try_for_each(|request| request.check(&rules, &[&self.weather]))?;
         let city_model = self.maps.contains(&RunMap::CityModel).then(|| maps::city_model_of(&site)).transpose()?;
         let (archive, weather) = self.archive(&site, &files, resources)?;

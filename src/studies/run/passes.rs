@@ -15,7 +15,7 @@ use heliotile_results::outputs::annual::{AnnualRow, AnnualTable};
 use heliotile_results::outputs::kinds_and_sides::KindsAndSides;
 use heliotile_results::outputs::shapes::writer::MapFormat;
 use heliotile_results::{
-    Archives, AreaChart, By, CityModelSink, CoarseSinks, Every, LightChoice, MapFile, Provenance, Question,
+    Archives, AreaChart, By, CityModelSink, CoarseSinks, Every, LightRequest, MapFile, Provenance, Question,
     ReceiverSet, ReplayRequest, Resources, ResultSink, RowsAbout, Series, Sinks, Tile, TileSink, TileStream, name_of,
     rows_of,
 };
@@ -92,7 +92,7 @@ impl RunResults<'_> {
         let (with_annual, with_periods) = (which != Which::OfPeriods, which != Which::Annual);
         let (archives, place) = (Archives::one(archive), files.archive.as_path());
         let series = request.series(archives, self.weather, rows, self.about.clone(), resources)?;
-        let (receivers, light) = (ReceiverSet::all_of(archive)?, LightChoice::default());
+        let (receivers, light) = (ReceiverSet::all_of(archive)?, LightRequest::default());
         let stream = TileStream { receivers: &receivers, light: &light, series: &series, resources: *resources };
         // All periods are summed from one replay of the finest one, so receivers are replayed once.
         let table_periods: &[Every] = if with_periods { &asked.every } else { &[] };

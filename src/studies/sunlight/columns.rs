@@ -2,7 +2,7 @@
 //! its rows.
 
 use super::days::DayPlan;
-use super::places::{AnswerItem, Asked, DateRows};
+use super::places::{AnswerItem, DateRows, RowSubject};
 use super::rule::Threshold;
 use heliotile_core::sunlight::{Spells, Strongest, SunSeen};
 use heliotile_core::weather::time::clock_zone::ClockZone;
@@ -58,7 +58,7 @@ enum Number {
 /// Columns of the results of a request.
 pub struct DayColumns<'a> {
     /// Dates or rules of the request.
-    pub asked: &'a Asked,
+    pub asked: &'a RowSubject,
     zone: &'a ClockZone,
     plan: &'a DayPlan,
     /// True if the minutes are of glare, the sun in mirrors.
@@ -69,16 +69,16 @@ pub struct DayColumns<'a> {
 impl<'a> DayColumns<'a> {
     /// Returns the columns of a request. `is_of_groups`, `has_before` and `is_glare` say if rows
     /// are about groups, if there are values before a change, and if minutes are of glare.
-    pub fn new(asked: &'a Asked, plan: &'a DayPlan, is_of_groups: bool, has_before: bool, is_glare: bool) -> Self {
+    pub fn new(asked: &'a RowSubject, plan: &'a DayPlan, is_of_groups: bool, has_before: bool, is_glare: bool) -> Self {
         use Number::{
             AtLeast, AtMost, Before, Deflection, First, Irradiance, Last, Least, Lit, Longest, Lost, Mean, Most, Sun,
             Uncertain, Value, ValueBefore, ValueUncertain, Verdict, VerdictBefore,
         };
         let numbers = match asked {
-            Asked::Dates(DateRows { is_by_day: true, .. }) => vec![Sun, Lit, Longest, First, Last, Uncertain],
-            Asked::Dates(_) if is_glare => vec![Sun, Most, Lit, Longest, Uncertain],
-            Asked::Dates(_) => vec![Sun, Mean, Least, Lit, Longest, Uncertain],
-            Asked::Rules(rules) => {
+            RowSubject::Dates(DateRows { is_by_day: true, .. }) => vec![Sun, Lit, Longest, First, Last, Uncertain],
+            RowSubject::Dates(_) if is_glare => vec![Sun, Most, Lit, Longest, Uncertain],
+            RowSubject::Dates(_) => vec![Sun, Mean, Least, Lit, Longest, Uncertain],
+            RowSubject::Rules(rules) => {
                 let asks = |is_such: fn(&Threshold) -> bool| rules.iter().any(|one| is_such(&one.rule.threshold));
                 let least = asks(|threshold| matches!(threshold, Threshold::AtLeast(_))).then_some(AtLeast);
                 let most = asks(|threshold| matches!(threshold, Threshold::AtMost(_))).then_some(AtMost);
@@ -86,13 +86,13 @@ impl<'a> DayColumns<'a> {
             }
         };
         let of_mirrors: &[Number] = match asked {
-            Asked::Dates(_) if is_glare => &[Irradiance, Deflection],
+            RowSubject::Dates(_) if is_glare => &[Irradiance, Deflection],
             _ => &[],
         };
         let former: &[Number] = match (has_before, asked) {
             (false, _) => &[],
-            (true, Asked::Dates(_)) => &[Before, Lost],
-            (true, Asked::Rules(_)) => &[ValueBefore, VerdictBefore],
+            (true, RowSubject::Dates(_)) => &[Before, Lost],
+            (true, RowSubject::Rules(_)) => &[ValueBefore, VerdictBefore],
         };
         let numbers = numbers.into_iter().filter(|number| is_of_groups || *number != Lit);
         let numbers = numbers.chain(of_mirrors.iter().chain(former).copied()).collect();
@@ -107,22 +107,24 @@ impl<'a> DayColumns<'a> {
     /// Returns the labels of the rows of a place.
     pub fn bin_labels(&self) -> BinLabels {
         match self.asked {
-            Asked::Dates(rows) => rows.labels.clone(),
-            Asked::Rules(rules) => BinLabels::words(rules.iter().map(|planned| planned.rule.name.clone()).collect()),
+            RowSubject::Dates(rows) => rows.labels.clone(),
+            RowSubject::Rules(rules) => {
+                BinLabels::words(rules.iter().map(|planned| planned.rule.name.clone()).collect())
+            }
         }
     }
 
     /// Returns the layout for tables and maps.
     pub fn layout(&self, by: By) -> Layout {
-        let labels = if matches!(self.asked, Asked::Dates(_)) { BinKind::Dates } else { BinKind::Rules };
+        let labels = if matches!(self.asked, RowSubject::Dates(_)) { BinKind::Dates } else { BinKind::Rules };
         let is_time = match self.asked {
-            Asked::Dates(_) => true,
-            Asked::Rules(rules) => rules.iter().all(|planned| !planned.rule.measure.is_percent()),
+            RowSubject::Dates(_) => true,
+            RowSubject::Rules(rules) => rules.iter().all(|planned| !planned.rule.measure.is_percent()),
         };
         let quantity = |(array, number): (usize, &Number)| {
             let (name, words, measure) = number.described(self.is_glare);
             // A table of rules in percent and in minutes has no common unit.
-            let is_of_rule = matches!(self.asked, Asked::Rules(_));
+            let is_of_rule = matches!(self.asked, RowSubject::Rules(_));
             let measure = if measure == Measure::Number && is_time && is_of_rule { Measure::Minutes } else { measure };
             Quantity { name: name.into(), words: words.into(), source: ValueSource::Array(array), measure }
         };
@@ -132,7 +134,7 @@ impl<'a> DayColumns<'a> {
     /// Returns the numbers of a place: `[number][label]`.
     pub fn values(&self, items: &[Option<AnswerItem>]) -> Vec<Vec<f32>> {
         match self.asked {
-            Asked::Dates(rows) => {
+            RowSubject::Dates(rows) => {
                 let of_label = |label: usize| {
                     let dates = (0..).zip(&rows.bin_of_date).filter(|(_, of)| **of == label).map(|(date, _)| date);
                     DayItems { dates: dates.collect(), items }
@@ -142,7 +144,7 @@ impl<'a> DayColumns<'a> {
                     |number: &Number| labels.iter().map(|days| self.of_days(*number, days) as f32).collect();
                 self.numbers.iter().map(of_number).collect()
             }
-            Asked::Rules(rules) => {
+            RowSubject::Rules(rules) => {
                 let of_rule = |number: Number, rule: usize| {
                     let Some(asked) = rules.get(rule).map(|planned| &planned.rule) else { return f64::NAN };
                     let Some(item) = items.get(rule).and_then(Option::as_ref) else { return f64::NAN };

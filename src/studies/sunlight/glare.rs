@@ -24,7 +24,7 @@ use heliotile_core::weather::time::calendar::Date;
 use heliotile_files::writing::guards::guard_output;
 use heliotile_requests::Request;
 use heliotile_results::files::{MapStart, crs_of, name_of, say_large};
-use heliotile_results::outputs::groups::Extent;
+use heliotile_results::outputs::groups::GroupGeometry;
 use heliotile_results::outputs::pictures::calendar::{Calendar, CalendarDay, CalendarSpell};
 use heliotile_results::outputs::provenance::Provenance;
 use heliotile_results::outputs::quantities::{Measure, PlaceValues, Quantity, ValueSource};
@@ -418,8 +418,8 @@ impl PaneFile<'_> {
         let drawn: Vec<Receiver> = panes.all().iter().map(|pane| pane.drawn()).collect();
         let names: Vec<String> = drawn.iter().map(|pane| pane.id.clone()).collect();
         let north = self.receivers.north();
-        let extent = |pane: &Receiver| Extent::new(pane, north);
-        let extents: Vec<Extent> = drawn.iter().map(extent).collect();
+        let extent = |pane: &Receiver| GroupGeometry::new(pane, north);
+        let extents: Vec<GroupGeometry> = drawn.iter().map(extent).collect();
         let sums = record.of_panes();
         let of = |number: fn(&PaneSum) -> f64| -> Vec<f32> {
             names.iter().map(|name| sums.get(name.as_str()).map_or(0.0, |sum| number(sum) as f32)).collect()

@@ -6,7 +6,7 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::measure::RuleValue;
-use super::places::{AnswerItem, Asked, PlaceAnswer};
+use super::places::{AnswerItem, PlaceAnswer, RowSubject};
 use super::rule::LitPart;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::sunlight::{Spells, Strongest, SunSeen};
@@ -50,7 +50,12 @@ impl<'a> GroupAnswers<'a> {
     }
 
     /// Hands the answers of groups to `take`, in order, until it returns false.
-    pub fn each(self, asked: &Asked, lit_share: f64, mut take: impl FnMut(PlaceAnswer) -> Result<bool>) -> Result<()> {
+    pub fn each(
+        self,
+        asked: &RowSubject,
+        lit_share: f64,
+        mut take: impl FnMut(PlaceAnswer) -> Result<bool>,
+    ) -> Result<()> {
         let GroupAnswers { groups, sorter, folder, .. } = self;
         let mut sorted = sorter.finish()?.peekable();
         for (number, name) in (0_u32..).zip(groups.names()) {
@@ -76,7 +81,7 @@ fn middle(parts: &[GroupPart]) -> DVec3 {
     parts.iter().map(|part| part.share * part.answer.position).sum()
 }
 
-fn items_of(parts: &[GroupPart], asked: &Asked, lit_share: f64) -> Vec<Option<AnswerItem>> {
+fn items_of(parts: &[GroupPart], asked: &RowSubject, lit_share: f64) -> Vec<Option<AnswerItem>> {
     let count = parts.first().map_or(0, |part| part.answer.items.len());
     let of_item = |number: usize| {
         let about: Vec<(&GroupPart, &AnswerItem)> =
@@ -92,14 +97,14 @@ fn items_of(parts: &[GroupPart], asked: &Asked, lit_share: f64) -> Vec<Option<An
             (0..days).map(|day| covered(day, &about, &shares, least)).collect::<Vec<SunSeen>>()
         };
         Some(match asked {
-            Asked::Dates(_) => {
+            RowSubject::Dates(_) => {
                 let mean = |of: fn(&RuleValue) -> f64| values().map(|(share, value)| share * of(&value)).sum();
                 let value =
                     RuleValue { value: mean(|one| one.value), low: mean(|one| one.low), high: mean(|one| one.high) };
                 let strongest = about.iter().filter_map(|(_, item)| item.strongest).reduce(Strongest::and);
                 AnswerItem { value, days: covered(lit_share), strongest, before: None }
             }
-            Asked::Rules(rules) => {
+            RowSubject::Rules(rules) => {
                 let planned = rules.get(number)?;
                 let value = match planned.rule.part {
                     LitPart::Middle => nearest_to_middle(&about, &shares)?.value,
@@ -186,8 +191,8 @@ fn part_of(bytes: &[u8]) -> Option<GroupPart> {
 }
 
 /// Refuses rules about the middle of a group that has none.
-pub fn check_middles(asked: &Asked, by: By) -> Result<()> {
-    let Asked::Rules(rules) = asked else { return Ok(()) };
+pub fn check_middles(asked: &RowSubject, by: By) -> Result<()> {
+    let RowSubject::Rules(rules) = asked else { return Ok(()) };
     if matches!(by, By::Receiver | By::Surface | By::Window) {
         return Ok(());
     }

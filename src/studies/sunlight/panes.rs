@@ -11,7 +11,7 @@ use heliotile_core::site::patch::Patch;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_scene::Scene;
 use heliotile_scene::covering::surfaces::{Surface, Surfaces};
-use heliotile_scene::load::Soup;
+use heliotile_scene::load::ObjectTriangles;
 
 /// Name of the object in a scene without objects.
 const SCENE: &str = "scene";
@@ -97,9 +97,9 @@ fn material_of(scene: &Scene, number: u16) -> Option<&Material> {
 }
 
 /// Returns the mirrors of a scene, with a face for each triangle.
-fn soup_of(scene: &Scene) -> Soup {
+fn soup_of(scene: &Scene) -> ObjectTriangles {
     let (mesh, objects) = (&scene.mesh, &scene.objects);
-    let mut soup = Soup::default();
+    let mut soup = ObjectTriangles::default();
     for triangle in 0..mesh.triangles.len() {
         let number = mesh.triangle_material.get(triangle).copied().unwrap_or_default();
         if !material_of(scene, number).is_some_and(Material::mirrors) {

@@ -8,7 +8,7 @@ use super::former::{FormerValues, NamesAfter};
 use super::glare::{GlareChoice, PaneFile, SpellRecord, write_calendar};
 use super::groups::{GroupAnswers, check_middles};
 use super::panes::PaneList;
-use super::places::{Asked, PlaceAnswer, PlaceQuestions};
+use super::places::{PlaceAnswer, PlaceQuestions, RowSubject};
 use super::request::{RuleCount, SunlightDone, SunlightRequest};
 use heliotile_core::archive::format;
 use heliotile_core::error::{Error, Result};
@@ -18,8 +18,8 @@ use heliotile_core::opened::OpenSite;
 use heliotile_core::text::{counted, message};
 use heliotile_results::archives::Archives;
 use heliotile_results::doubts::{check_one_site, preview};
-use heliotile_results::files::{FileRequest, RowFiles, RowsAbout, groups_of, name_of};
-use heliotile_results::outputs::groups::{Extent, Groups};
+use heliotile_results::files::{OutputRequest, RowFiles, RowsAbout, groups_of, name_of};
+use heliotile_results::outputs::groups::{GroupGeometry, Groups};
 use heliotile_results::outputs::periods::Every;
 use heliotile_results::outputs::provenance::Provenance;
 use heliotile_results::outputs::quantities::{PlaceValues, Verdict};
@@ -54,7 +54,7 @@ impl SunlightRequest {
     /// Writes the files; `before` is the site before a change, if one is requested.
     pub fn write(
         &self,
-        files: &FileRequest,
+        files: &OutputRequest,
         site: &SunlightSite,
         before: Option<&SunlightSite>,
         about: Provenance,
@@ -212,14 +212,14 @@ impl SunlightRequest {
     /// for it, they are met, and a note says so.
     fn check_mirrors(
         &self,
-        asked: &Asked,
+        asked: &RowSubject,
         archives: Archives,
         before: Option<&SunlightSite>,
         resources: &Resources,
     ) -> Result<()> {
         let is_asked = match asked {
-            Asked::Dates(_) => false,
-            Asked::Rules(rules) => rules.iter().any(|planned| planned.rule.measure.is_of_mirrors()),
+            RowSubject::Dates(_) => false,
+            RowSubject::Rules(rules) => rules.iter().any(|planned| planned.rule.measure.is_of_mirrors()),
         };
         if !is_asked && self.glare.is_none() {
             return Ok(());
@@ -278,7 +278,7 @@ fn windows_of<'a>(site: &SunlightSite<'a>, by: By) -> Result<Option<ReceiverSet<
 /// Rows of some places, until they are written.
 struct RowBatch<'a> {
     columns: &'a DayColumns<'a>,
-    extents: Option<&'a [Extent]>,
+    extents: Option<&'a [GroupGeometry]>,
     names: Vec<String>,
     /// Values of the rows, `[number][place][label]`.
     arrays: Vec<Vec<f32>>,
@@ -290,11 +290,11 @@ struct RowBatch<'a> {
 }
 
 impl<'a> RowBatch<'a> {
-    fn new(columns: &'a DayColumns<'a>, asked: &Asked, groups: Option<&'a Groups>, has_before: bool) -> Self {
+    fn new(columns: &'a DayColumns<'a>, asked: &RowSubject, groups: Option<&'a Groups>, has_before: bool) -> Self {
         let count = |name: &str| RuleCount { rule: name.to_owned(), ..RuleCount::default() };
         let counts = match asked {
-            Asked::Dates(_) => Vec::new(),
-            Asked::Rules(rules) => rules.iter().map(|planned| count(&planned.rule.name)).collect(),
+            RowSubject::Dates(_) => Vec::new(),
+            RowSubject::Rules(rules) => rules.iter().map(|planned| count(&planned.rule.name)).collect(),
         };
         let arrays = vec![Vec::new(); columns.count()];
         RowBatch {
@@ -313,7 +313,7 @@ impl<'a> RowBatch<'a> {
         for (array, values) in self.arrays.iter_mut().zip(self.columns.values(&answer.items)) {
             array.extend(values);
         }
-        if let Asked::Rules(rules) = self.columns.asked {
+        if let RowSubject::Rules(rules) = self.columns.asked {
             for ((count, planned), item) in self.counts.iter_mut().zip(rules).zip(&answer.items) {
                 let before = item.as_ref().and_then(|item| item.before.as_ref());
                 let verdict = item.as_ref().map(|item| item.value.judged(&planned.rule, before));

@@ -28,7 +28,7 @@ use heliotile_results::resources::Resources;
 use heliotile_results::sky_components::SkyComponents;
 
 /// Subject of the rows of a request.
-pub enum Asked {
+pub enum RowSubject {
     /// Days, or periods of days.
     Dates(DateRows),
     /// Rules.
@@ -79,7 +79,7 @@ pub struct PlaceQuestions<'a> {
     /// Days to compute.
     pub plan: &'a DayPlan,
     /// Subject of the rows: dates or rules.
-    pub asked: &'a Asked,
+    pub asked: &'a RowSubject,
     /// Least altitude of the sun, degrees, at which it counts. Rules have altitudes of their own.
     pub least_altitude_deg: f64,
     /// Angles of glare that counts, if rows of days are about glare instead of the sun itself.
@@ -183,16 +183,16 @@ impl PlaceQuestions<'_> {
     /// Returns the number of items of an answer.
     pub fn items(&self) -> usize {
         match self.asked {
-            Asked::Dates(_) => self.plan.dates.len(),
-            Asked::Rules(rules) => rules.len(),
+            RowSubject::Dates(_) => self.plan.dates.len(),
+            RowSubject::Rules(rules) => rules.len(),
         }
     }
 
     /// Returns true if the sun in mirrors is needed, or the sun itself if `in_mirrors` is false.
     fn wants(&self, in_mirrors: bool) -> bool {
         match self.asked {
-            Asked::Dates(_) => self.glare.is_some() == in_mirrors,
-            Asked::Rules(rules) => {
+            RowSubject::Dates(_) => self.glare.is_some() == in_mirrors,
+            RowSubject::Rules(rules) => {
                 rules.iter().any(|rule| rule.rule.needs_days() && rule.rule.measure.is_of_mirrors() == in_mirrors)
             }
         }
@@ -221,7 +221,7 @@ impl PlaceQuestions<'_> {
     }
 
     fn wants_sky(&self) -> bool {
-        let Asked::Rules(rules) = self.asked else { return false };
+        let RowSubject::Rules(rules) = self.asked else { return false };
         rules.iter().any(|planned| planned.rule.measure == RuleMeasure::VscPercent)
     }
 }
@@ -334,7 +334,7 @@ impl PartQuestions<'_> {
 
     fn items(&self, receiver: &Receiver, sees: &ReceiverSees, vsc_percent: Option<f64>) -> Vec<Option<AnswerItem>> {
         match self.all.asked {
-            Asked::Dates(_) => {
+            RowSubject::Dates(_) => {
                 let of = |spells: &Spells| spells.minutes();
                 let item = |seen: SunSeen, strongest: Option<Strongest>| {
                     let value = RuleValue { value: of(&seen.seen), low: of(&seen.sure), high: of(&seen.possible) };
@@ -359,7 +359,7 @@ impl PartQuestions<'_> {
                     }
                 }
             }
-            Asked::Rules(rules) => {
+            RowSubject::Rules(rules) => {
                 let (tilt, azimuth) = tilt_and_azimuth(self.part.site.north().to_true(receiver.normal));
                 let azimuth = (LEVEL_DEG..180.0 - LEVEL_DEG).contains(&tilt).then_some(azimuth);
                 let of_rule = |planned: &PlannedRule| {

@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::calendar::DaySpan;
 use super::days::{DayPlan, SunnyHours};
 use super::glare::GlareChoice;
-use super::places::{Asked, DateRows};
+use super::places::{DateRows, RowSubject};
 use super::rule_files::read_rules;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::place::Place;
@@ -21,7 +21,7 @@ use heliotile_core::weather::time::sun::Location;
 use heliotile_core::weather::time::years::Years;
 use heliotile_requests::Request;
 use heliotile_results::archives::Archives;
-use heliotile_results::files::FileRequest;
+use heliotile_results::files::OutputRequest;
 use heliotile_results::outputs::periods::{ClockReading, Every, Periods};
 use heliotile_results::request::ReplayRequest;
 use heliotile_results::resources::Resources;
@@ -154,7 +154,7 @@ impl Default for SunlightRequest {
 impl SunlightRequest {
     /// Refuses numbers out of range, choices that exclude each other, unknown rules, and files that
     /// cannot hold such results, before an archive is opened.
-    pub fn check(&self, files: &FileRequest, inputs: &[&Path]) -> Result<()> {
+    pub fn check(&self, files: &OutputRequest, inputs: &[&Path]) -> Result<()> {
         if self.dates.is_empty() && self.rules.is_empty() {
             let hint = "give {dates} 03-21, or {rule} with a name such as tno-light";
             return Err(Error::argument("dates, rule", "neither dates nor a rule is given", hint));
@@ -215,7 +215,7 @@ impl SunlightRequest {
     }
 
     /// Returns the pictures that are calendars.
-    pub(super) fn calendars<'f>(&self, files: &'f FileRequest) -> impl Iterator<Item = &'f Path> {
+    pub(super) fn calendars<'f>(&self, files: &'f OutputRequest) -> impl Iterator<Item = &'f Path> {
         let is_calendar = |plot: &&Path| plot.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("svg"));
         files.plots.iter().map(PathBuf::as_path).filter(is_calendar)
     }
@@ -228,7 +228,7 @@ impl SunlightRequest {
 
     /// Returns the days, and rules or labels of rows. Reads rules and weather, and warns of what is
     /// odd about them.
-    pub(super) fn plan(&self, archives: Archives, resources: &Resources) -> Result<(DayPlan, Asked)> {
+    pub(super) fn plan(&self, archives: Archives, resources: &Resources) -> Result<(DayPlan, RowSubject)> {
         let rules = read_rules(&self.rules)?;
         let place = archives.manifest().place;
         let weather = match &self.weather {
@@ -277,7 +277,7 @@ impl SunlightRequest {
         let sunny = weather.as_ref().map(|weather| SunnyHours::new(weather, offset));
         if self.rules.is_empty() {
             let rows = self.rows(&plan);
-            return Ok((plan, Asked::Dates(rows)));
+            return Ok((plan, RowSubject::Dates(rows)));
         }
         for rule in rules.iter().filter(|rule| !rule.unconfirmed.is_empty()) {
             resources.observer.note(format!("{}: not confirmed: {}", rule.name, rule.unconfirmed));
@@ -286,7 +286,7 @@ impl SunlightRequest {
         if let Some((weather, path)) = weather.as_ref().zip(self.weather.as_deref()) {
             SunnyHours::check(weather, &plan, &rules, path)?;
         }
-        Ok((plan, Asked::Rules(rules)))
+        Ok((plan, RowSubject::Rules(rules)))
     }
 
     /// Returns the rows of days.

@@ -30,7 +30,7 @@ use heliotile_results::resources::Resources;
 use heliotile_scene::Scene;
 use heliotile_scene::change::TracedScene;
 use heliotile_scene::edit::{EditedScene, SceneEdits};
-use heliotile_scene::load::Soup;
+use heliotile_scene::load::ObjectTriangles;
 use heliotile_scene::materials::materials_of;
 use heliotile_scene::placing::plausible::far_objects;
 use heliotile_scene::request::SceneRequest;
@@ -131,7 +131,7 @@ impl UpdateRequest {
         &self,
         states: &SceneStates,
         held: Vec<Receiver>,
-        mut new: Soup,
+        mut new: ObjectTriangles,
         observer: &dyn Observer,
     ) -> Result<UpdatedReceivers> {
         let density = self.density.unwrap_or_else(|| usual_spacing(&held));
@@ -173,9 +173,9 @@ impl UpdateRequest {
         before: &Archive,
         added: &SceneFiles,
         resources: &Resources,
-    ) -> Result<Soup> {
+    ) -> Result<ObjectTriangles> {
         if self.add.files.is_empty() {
-            return Ok(Soup::default());
+            return Ok(ObjectTriangles::default());
         }
         let first = self.add.first();
         if held.objects.list.is_empty() {

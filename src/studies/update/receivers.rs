@@ -20,7 +20,7 @@ use heliotile_files::writing::copy::folder_of;
 use heliotile_scene::Scene;
 use heliotile_scene::change::TracedScene;
 use heliotile_scene::edit::{EditedScene, Fate};
-use heliotile_scene::load::Soup;
+use heliotile_scene::load::ObjectTriangles;
 use heliotile_scene::mesh::{Mesh, bounds};
 use heliotile_scene::points::receivers::read_receivers;
 
@@ -117,8 +117,8 @@ impl SceneStates<'_> {
     }
 
     /// Returns the triangles of the objects that have another shape.
-    pub fn reshaped(&self) -> Soup {
-        let mut soup = Soup::default();
+    pub fn reshaped(&self) -> ObjectTriangles {
+        let mut soup = ObjectTriangles::default();
         let EditedScene { triangles, of_triangle, objects, materials, .. } = self.edited;
         let numbers = self.numbers(materials.iter().map(|material| material.name.as_str()));
         for ((corners, material), &object) in triangles.iter().zip(of_triangle) {
@@ -148,7 +148,7 @@ pub fn cover(
     request: &UpdateRequest,
     density: Density,
     scene: &Scene,
-    soup: Soup,
+    soup: ObjectTriangles,
     observer: &dyn Observer,
 ) -> Result<Vec<Receiver>> {
     if soup.triangles.is_empty() {

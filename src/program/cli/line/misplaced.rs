@@ -10,7 +10,7 @@ use clap::{ArgMatches, Command, FromArgMatches};
 
 use super::invocation::provenance;
 use super::report::report_usage;
-use crate::cli::{Asked, Cli, EverywhereArgs, command_line, command_line_with, given, named};
+use crate::cli::{Cli, CliCommand, EverywhereArgs, command_line, command_line_with, given, named};
 use heliotile::Provenance;
 use heliotile::cases;
 
@@ -21,8 +21,8 @@ pub fn parse(words: &[OsString]) -> (Cli, Provenance) {
     let parsed = command_line_with(&is_named).try_get_matches_from(words).and_then(|matches| {
         let cli = cli_of(&matches).map_err(|error| error.format(&mut command_line()))?;
         let about = match &cli.command {
-            Asked::Case(command, given) => provenance(command, given),
-            Asked::Completions(_) | Asked::Man(_) => Provenance::default(),
+            CliCommand::Case(command, given) => provenance(command, given),
+            CliCommand::Completions(_) | CliCommand::Man(_) => Provenance::default(),
         };
         Ok((cli, about))
     });
@@ -64,20 +64,20 @@ const MOVED: [(&str, &str); 18] = [
 fn cli_of(matches: &ArgMatches) -> Result<Cli, Error> {
     let command = match (matches.subcommand(), matches.get_one("completions"), matches.get_one::<PathBuf>("man")) {
         (Some((name, inside)), ..) => case_of(name, inside),
-        (None, Some(shell), _) => Some(Asked::Completions(*shell)),
-        (None, None, folder) => folder.map(|folder| Asked::Man(folder.clone())),
+        (None, Some(shell), _) => Some(CliCommand::Completions(*shell)),
+        (None, None, folder) => folder.map(|folder| CliCommand::Man(folder.clone())),
     };
     let missing = || Error::raw(ErrorKind::MissingSubcommand, "a command is missing, such as heliotile run\n");
     Ok(Cli { command: command.ok_or_else(missing)?, everywhere: EverywhereArgs::from_arg_matches(matches)? })
 }
 
 /// Returns the command of a name, or the one that stands behind the name of its group.
-fn case_of(name: &str, inside: &ArgMatches) -> Option<Asked> {
+fn case_of(name: &str, inside: &ArgMatches) -> Option<CliCommand> {
     let of_group = inside
         .subcommand()
         .and_then(|(last, inside)| cases::Command::by_name(&format!("{name} {last}")).map(|command| (command, inside)));
     let (command, inside) = of_group.or_else(|| Some((cases::Command::by_name(name)?, inside)))?;
-    Some(Asked::Case(command, given(command, inside)))
+    Some(CliCommand::Case(command, given(command, inside)))
 }
 
 /// Returns a hint for a file or an option that is typed where the command belongs.

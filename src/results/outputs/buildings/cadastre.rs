@@ -6,7 +6,7 @@
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
-use super::face::{Lit, OnRoof, RoofFace, Usable};
+use super::face::{AreaSum, OnRoof, RoofFace, Usable};
 use super::place::{Envelope, building_of, face_of};
 use crate::outputs::kinds_and_sides::side;
 use heliotile_core::error::{Error, Result};
@@ -25,10 +25,10 @@ pub const SIDES: [&str; 5] = ["flat", "north", "east", "south", "west"];
 /// Sums of a building.
 #[derive(Clone, Debug, Default)]
 pub struct BuildingSums {
-    pub roof: Lit,
+    pub roof: AreaSum,
     /// Sums by side, in the order of [`SIDES`], kWh.
     pub roof_sides: [f64; 5],
-    pub facade: Lit,
+    pub facade: AreaSum,
     pub facade_sides: [f64; 5],
 }
 
@@ -164,7 +164,7 @@ impl Cadastre {
         let target = self.targets.get(self.done).copied().unwrap_or(Target::Nowhere);
         self.done += 1;
         let area_m2 = receiver.area.unwrap_or_default();
-        let lit = Lit { area_m2, kwh: area_m2 * kwh_m2 };
+        let lit = AreaSum { area_m2, kwh: area_m2 * kwh_m2 };
         let (tilt, azimuth) = tilt_and_azimuth(self.north.to_true(receiver.normal));
         match target {
             Target::Nowhere => {}

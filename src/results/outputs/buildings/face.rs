@@ -18,13 +18,13 @@ pub struct Usable {
 
 /// Area in m2, and the sum in kWh that falls on it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Lit {
+pub struct AreaSum {
     pub area_m2: f64,
     pub kwh: f64,
 }
 
-impl Lit {
-    pub fn add(&mut self, other: Lit) {
+impl AreaSum {
+    pub fn add(&mut self, other: AreaSum) {
         self.area_m2 += other.area_m2;
         self.kwh += other.kwh;
     }
@@ -44,14 +44,14 @@ pub struct RoofFace {
     /// Number of all receivers on the face.
     pub receivers: u32,
     seen: u32,
-    pub all: Lit,
+    pub all: AreaSum,
     /// Area and sum of receivers above the threshold.
-    pub above: Lit,
+    pub above: AreaSum,
     /// Area and sum of regions that are large enough.
-    pub usable: Lit,
+    pub usable: AreaSum,
     pub regions: u32,
     /// Region with the largest sum, if it is large enough.
-    pub best: Lit,
+    pub best: AreaSum,
     /// Area of the largest region of any size.
     pub largest_m2: f64,
     /// Sum of normals times areas; `sky` is the sum of sky views times areas.
@@ -67,7 +67,7 @@ pub struct RoofFace {
 struct Pending {
     place: DVec3,
     patch: Patch,
-    lit: Lit,
+    lit: AreaSum,
 }
 
 /// Receiver on a face, with its sum.
@@ -89,7 +89,7 @@ impl RoofFace {
     /// Adds a receiver; the last one completes the face.
     pub fn add(&mut self, receiver: OnRoof, usable: Usable) {
         let OnRoof { place, normal, patch, sky_view, area_m2, kwh_m2 } = receiver;
-        let lit = Lit { area_m2, kwh: area_m2 * kwh_m2 };
+        let lit = AreaSum { area_m2, kwh: area_m2 * kwh_m2 };
         self.seen += 1;
         self.all.add(lit);
         self.normal += area_m2 * normal;
@@ -110,7 +110,7 @@ impl RoofFace {
             true => vec![0; pending.len()],
             false => regions(self.normal(), &pending.iter().map(|one| (one.place, &one.patch)).collect::<Vec<_>>()),
         };
-        let mut found = vec![Lit::default(); numbers.iter().max().map_or(0, |most| most + 1)];
+        let mut found = vec![AreaSum::default(); numbers.iter().max().map_or(0, |most| most + 1)];
         for (number, one) in numbers.iter().zip(&pending) {
             found[*number].add(one.lit);
         }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::cadastre::{Cadastre, SIDES};
-use super::face::{Lit, RoofFace};
+use super::face::{AreaSum, RoofFace};
 use crate::outputs::tables::column::Column;
 use crate::outputs::tables::records::{Cell, Records};
 
@@ -21,8 +21,8 @@ pub fn building_rows(cadastre: &Cadastre) -> Records {
     cadastre.faces.iter().for_each(|face| of_building.entry(face.building).or_default().push(face));
     let rows = (0..).zip(cadastre.names.iter().zip(&cadastre.buildings)).map(|(number, (name, sums))| {
         let faces = of_building.get(&number).map_or(&[][..], Vec::as_slice);
-        let sum = |of: fn(&RoofFace) -> Lit| {
-            faces.iter().fold(Lit::default(), |mut sum, face| {
+        let sum = |of: fn(&RoofFace) -> AreaSum| {
+            faces.iter().fold(AreaSum::default(), |mut sum, face| {
                 sum.add(of(face));
                 sum
             })
@@ -88,6 +88,6 @@ fn numbers(names: impl IntoIterator<Item = impl Into<String>>) -> impl Iterator<
 }
 
 /// Returns the mean as a share of the brightest receiver of all roofs.
-fn share(cadastre: &Cadastre, lit: Lit) -> Option<f64> {
+fn share(cadastre: &Cadastre, lit: AreaSum) -> Option<f64> {
     lit.kwh_m2().map(|mean| mean / cadastre.best_kwh_m2).filter(|share| share.is_finite())
 }

@@ -3,7 +3,7 @@
 
 use super::row::MapRow;
 use super::stated::{StatedColumns, TextKind};
-use crate::outputs::groups::{Extent, ONE_WAY};
+use crate::outputs::groups::{GroupGeometry, ONE_WAY};
 use crate::outputs::periods::Every;
 use crate::outputs::pictures::colours::ColourScale;
 use crate::outputs::quantities::{LightEnding, PlaceValues, Quantity, ValueSource};
@@ -153,7 +153,7 @@ impl MapColumns {
         &self,
         name: &str,
         common: &Receiver,
-        extent: &Extent,
+        extent: &GroupGeometry,
         area_m2: f64,
         values: &PlaceValues,
         row: usize,

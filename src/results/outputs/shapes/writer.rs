@@ -13,7 +13,7 @@ use super::row::MapPolygon;
 use super::rows::{MapFacts, MapRows, RowSpool};
 use super::stated::StatedColumns;
 use super::{flatgeobuf, geojson, geoparquet, glb, ply, pvd, vtu};
-use crate::outputs::groups::Extent;
+use crate::outputs::groups::GroupGeometry;
 use crate::outputs::periods::Every;
 use crate::outputs::provenance::Provenance;
 use crate::outputs::quantities::PlaceValues;
@@ -179,7 +179,7 @@ impl<'a> MapWriter<'a> {
     }
 
     /// Appends some places, as [`crate::outputs::row_maker::RowMaker::write_tile`] does.
-    pub fn write_tile(&mut self, names: &[String], values: &PlaceValues, extents: &[Extent]) -> Result<()> {
+    pub fn write_tile(&mut self, names: &[String], values: &PlaceValues, extents: &[GroupGeometry]) -> Result<()> {
         for (i, name) in names.iter().enumerate() {
             let (common, extent, polygons) = match &mut self.shapes {
                 PlaceShapes::Groups(groups) => {
@@ -196,7 +196,7 @@ impl<'a> MapWriter<'a> {
                         return Err(Error::defect(self.request.path, "map", "rows", what));
                     };
                     let polygons = polygons(&receiver).unwrap_or_else(|| vec![MapPolygon::point(receiver.position)]);
-                    let extent = Extent::new(&receiver, self.request.north);
+                    let extent = GroupGeometry::new(&receiver, self.request.north);
                     (receiver, extent, polygons)
                 }
             };

@@ -1,7 +1,7 @@
 //! Tests of [`super`].
 
 use super::*;
-use crate::outputs::groups::Extent;
+use crate::outputs::groups::GroupGeometry;
 use crate::outputs::provenance;
 use crate::outputs::quantities::PlaceValues;
 use crate::outputs::row_maker::RowMaker;
@@ -24,7 +24,7 @@ impl ResultTable {
         Ok(ResultTable(rows, table))
     }
 
-    pub fn write_tile(&mut self, names: &[String], values: &PlaceValues, extents: &[Extent]) -> Result<()> {
+    pub fn write_tile(&mut self, names: &[String], values: &PlaceValues, extents: &[GroupGeometry]) -> Result<()> {
         self.0.write(&mut self.1, names, values, extents)
     }
 

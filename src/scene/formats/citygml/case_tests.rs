@@ -2,10 +2,10 @@
 
 use crate::Scene;
 use crate::formats::test_cases::{self, areas_m2};
-use crate::load::Soup;
+use crate::load::ObjectTriangles;
 use crate::site::{Part, SceneFiles};
 
-fn load(name: &str) -> Result<(Scene, Soup), String> {
+fn load(name: &str) -> Result<(Scene, ObjectTriangles), String> {
     test_cases::load(&format!("citygml/cases/{name}"))
 }
 

@@ -1,13 +1,13 @@
 //! In: city models that are broken, cut off or malicious. Out: proof that they are refused with a
 //! message, or that only the wrong part is lost.
 
-use crate::formats::Asked;
+use crate::formats::ReadOptions;
 use crate::formats::citygml::tests::{building, left_out, member, model, polygon, read, read_as, solid};
 
 const ALL: [usize; 6] = [0, 1, 2, 3, 4, 5];
 
 fn refused(text: &str) -> String {
-    read_as(text, &Asked::default()).expect_err(text).to_string()
+    read_as(text, &ReadOptions::default()).expect_err(text).to_string()
 }
 
 /// One of three buildings, with a coordinate that is no number, is infinite or is missing, is left
@@ -143,7 +143,7 @@ fn any_cut_and_any_bit_cause_no_panic() {
         let mut bytes = text.clone().into_bytes();
         bytes[at] ^= 1 << (at % 8);
         for text in [text[..at].to_owned(), String::from_utf8_lossy(&bytes).into_owned()] {
-            match read_as(&text, &Asked::default()) {
+            match read_as(&text, &ReadOptions::default()) {
                 Ok(_) => read += 1,
                 Err(_) => refused += 1,
             }

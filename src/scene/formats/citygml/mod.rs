@@ -51,7 +51,7 @@ use std::collections::BTreeSet;
 use std::io::Read;
 use std::path::Path;
 
-use crate::formats::Asked;
+use crate::formats::ReadOptions;
 use crate::formats::cityjson::frame::Frame;
 use crate::formats::cityjson::objects::Reader;
 use crate::formats::cityjson::{finish, level};
@@ -70,7 +70,7 @@ use scan::{Draft, MEND, Scan};
 pub(super) const ENDINGS: [&str; 3] = ["gml", "citygml", "xml"];
 
 /// Reads a city model.
-pub(super) fn read(path: &Path, asked: &Asked) -> Result<Geometry> {
+pub(super) fn read(path: &Path, asked: &ReadOptions) -> Result<Geometry> {
     let left_out = RefCell::new(Vec::new());
     let found = read_all(path, asked, &|take| {
         let found = input::members::each(path, &ENDINGS, &asked.footprints.layer, take)?;
@@ -94,7 +94,7 @@ pub(super) fn read(path: &Path, asked: &Asked) -> Result<Geometry> {
 type Opener<'o> = dyn FnMut(Box<dyn Read + '_>) -> Result<()> + 'o;
 
 /// Reads all files that `open` opens: once, or twice if objects refer to geometry that comes later.
-fn read_all(path: &Path, asked: &Asked, open: &dyn Fn(&mut Opener) -> Result<()>) -> Result<Geometry> {
+fn read_all(path: &Path, asked: &ReadOptions, open: &dyn Fn(&mut Opener) -> Result<()>) -> Result<Geometry> {
     let asked_lod = asked.lod.as_deref().map(|text| level(text, path)).transpose()?;
     let mut coordinates = Coordinates::new(asked.system);
     let mut model = Model {

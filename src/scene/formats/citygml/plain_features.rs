@@ -10,7 +10,7 @@ use std::path::Path;
 use glam::DVec3;
 use serde_json::Value;
 
-use crate::formats::Asked;
+use crate::formats::ReadOptions;
 use crate::formats::citygml::ENDINGS;
 use crate::formats::citygml::attributes::Attributes;
 use crate::formats::citygml::coordinates::{Coordinates, Unusable};
@@ -45,7 +45,7 @@ const BENT: [&str; 6] = ["Arc", "Circle", "Clothoid", "Spline", "Bezier", "Geode
 
 /// Reads the features of a collection; `None` if it has city objects with levels of detail, or no
 /// polygon.
-pub(super) fn read(path: &Path, asked: &Asked) -> Result<Option<Geometry>> {
+pub(super) fn read(path: &Path, asked: &ReadOptions) -> Result<Option<Geometry>> {
     let mut coordinates = Coordinates::new(asked.system);
     let (mut features, mut has_levels, mut corners) = (Vec::new(), false, 0);
     input::members::each(path, &ENDINGS, &asked.footprints.layer, &mut |bytes| {

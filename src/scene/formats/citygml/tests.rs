@@ -11,7 +11,7 @@ use crate::formats::citygml::coordinates::Coordinates;
 use crate::formats::citygml::read_all;
 use crate::formats::citygml::scan::Scan;
 use crate::formats::xml::Xml;
-use crate::formats::{Asked, Content};
+use crate::formats::{Content, ReadOptions};
 use crate::geometry::Geometry;
 use crate::polygon::area_vector_of;
 use heliotile_core::error::Result;
@@ -24,7 +24,7 @@ const CORNERS: [[u32; 3]; 8] =
     [[0, 0, 0], [10, 0, 0], [10, 10, 0], [0, 10, 0], [0, 0, 5], [10, 0, 5], [10, 10, 5], [0, 10, 5]];
 const BOX: [[usize; 4]; 6] = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
 
-pub(super) fn read_as(text: &str, asked: &Asked) -> Result<Geometry> {
+pub(super) fn read_as(text: &str, asked: &ReadOptions) -> Result<Geometry> {
     let bytes = text.as_bytes().to_vec();
     read_all(Path::new("town.gml"), asked, &|take| {
         let stream: Box<dyn Read> = Box::new(std::io::Cursor::new(bytes.clone()));
@@ -33,7 +33,7 @@ pub(super) fn read_as(text: &str, asked: &Asked) -> Result<Geometry> {
 }
 
 pub(super) fn read(text: &str) -> Geometry {
-    read_as(text, &Asked::default()).expect(text)
+    read_as(text, &ReadOptions::default()).expect(text)
 }
 
 /// Returns a city model of version 2.0 with the members.
@@ -196,12 +196,12 @@ fn the_finest_outside_level_is_read() {
     let outline = format!("<lod0FootPrint><gml:MultiSurface>{}</gml:MultiSurface></lod0FootPrint>", members(&[1], 0));
     let text = building(&(outline.clone() + &solid(1, &ALL) + &solid(2, &ALL) + &solid(4, &ALL[..5])));
     for (lod, found, others) in [(None, 6, 3), (Some("1"), 6, 3), (Some("4"), 5, 3), (Some("0"), 1, 3)] {
-        let asked = Asked { lod: lod.map(str::to_owned), ..Asked::default() };
+        let asked = ReadOptions { lod: lod.map(str::to_owned), ..ReadOptions::default() };
         let geometry = read_as(&text, &asked).expect("readable");
         assert_eq!((geometry.face_count(), left_out(&geometry)), (found, others), "{lod:?}");
     }
     assert_eq!(read(&building(&solid(4, &ALL))).face_count(), 6);
-    let message = read_as(&building(&outline), &Asked::default()).expect_err("an outline").to_string();
+    let message = read_as(&building(&outline), &ReadOptions::default()).expect_err("an outline").to_string();
     assert!(message.contains("flat outlines of buildings"), "{message}");
 }
 
@@ -340,7 +340,7 @@ fn degrees_become_metres_with_a_note() {
     assert_eq!((geometry.reference, geometry.in_metres, geometry.notes.len()), (Some(Reference::Epsg(32654)), true, 1));
     let sides = [1, 2].map(|i| geometry.vertices[i].distance(geometry.vertices[0]));
     assert!((sides[0] - 10.01).abs() < 0.02 && (sides[1] - 11.09).abs() < 0.02, "{sides:?}");
-    let own = read_as(&text, &Asked { system: Some(6677), ..Asked::default() }).expect("readable");
+    let own = read_as(&text, &ReadOptions { system: Some(6677), ..ReadOptions::default() }).expect("readable");
     assert!((own.vertices[0] - DVec3::new(-12_133.41, -83_197.58, 1.0)).length() < 0.1, "{}", own.vertices[0]);
 }
 
@@ -378,7 +378,7 @@ fn attributes_are_kept_by_name() {
 #[test]
 fn the_hamlet_has_the_areas_of_the_second_reader() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/citygml/small.gml");
-    let Ok(Content::Polygons(geometry)) = formats::read(&file, &Asked::default()) else { panic!("no polygons") };
+    let Ok(Content::Polygons(geometry)) = formats::read(&file, &ReadOptions::default()) else { panic!("no polygons") };
     for (material, expected) in [
         ("GroundSurface", 1747.00),
         ("RoofSurface", 1932.74),

@@ -23,7 +23,7 @@ mod tests;
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use crate::formats::Asked;
+use crate::formats::ReadOptions;
 use crate::geometry::Geometry;
 use crate::text::{excerpt, without_byte_order_mark};
 use answers::Answer;
@@ -41,7 +41,7 @@ use templates::Template;
 const MEND: &str = "validate the file (cjval) or export it again: it is not valid CityJSON";
 
 /// Reads a city model. A name that ends with `.jsonl` means a sequence.
-pub(super) fn parse(bytes: &[u8], file: &Path, asked: &Asked) -> Result<Geometry> {
+pub(super) fn parse(bytes: &[u8], file: &Path, asked: &ReadOptions) -> Result<Geometry> {
     let asked = asked.lod.as_deref().map(|text| level(text, file)).transpose()?;
     let bytes = without_byte_order_mark(bytes);
     if bytes.trim_ascii().is_empty() {

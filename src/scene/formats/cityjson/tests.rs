@@ -5,7 +5,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use crate::formats::Asked;
+use crate::formats::ReadOptions;
 use crate::formats::cityjson::parse;
 use crate::geometry::Geometry;
 use crate::polygon::triangulate;
@@ -35,7 +35,7 @@ fn read_as(text: &str, name: &str, lod: Option<&str>) -> Result<Geometry> {
     parse(
         text.as_bytes(),
         Path::new(name),
-        &Asked { reflectances: true, lod: lod.map(str::to_owned), ..Asked::default() },
+        &ReadOptions { reflectances: true, lod: lod.map(str::to_owned), ..ReadOptions::default() },
     )
 }
 

@@ -7,7 +7,7 @@ use crate::formats::energyplus::*;
 use crate::polygon::triangulate;
 
 fn read_bytes(bytes: &[u8], name: &str) -> Result<Geometry> {
-    parse(bytes, Path::new(name), &Asked { reflectances: true, ..Asked::default() })
+    parse(bytes, Path::new(name), &ReadOptions { reflectances: true, ..ReadOptions::default() })
 }
 
 const HEAD: &str =

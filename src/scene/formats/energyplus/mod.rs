@@ -22,7 +22,7 @@ mod turned;
 
 use std::path::Path;
 
-use crate::formats::Asked;
+use crate::formats::ReadOptions;
 use crate::formats::building::notes::Notes;
 use crate::formats::building::standing::{Shades, ground_elevation_m};
 use crate::geometry::Geometry;
@@ -33,7 +33,7 @@ use heliotile_files::input;
 use heliotile_place::reference::Reference;
 use materials::Materials;
 use model::Model;
-use place::Place;
+use place::PlaceObject;
 use surfaces::Surfaces;
 
 /// Returns true if a JSON file is an EnergyPlus model.
@@ -42,7 +42,7 @@ pub(super) fn is_model(bytes: &[u8]) -> bool {
 }
 
 /// Reads a model: IDF text if the name ends with `.idf`, otherwise JSON.
-pub(super) fn parse(bytes: &[u8], file: &Path, asked: &Asked) -> Result<Geometry> {
+pub(super) fn parse(bytes: &[u8], file: &Path, asked: &ReadOptions) -> Result<Geometry> {
     let model = if input::ending(file) == "idf" {
         idf::parse(bytes, file, asked.assume_version)?
     } else {
@@ -51,13 +51,13 @@ pub(super) fn parse(bytes: &[u8], file: &Path, asked: &Asked) -> Result<Geometry
     assemble(&model, file, asked)
 }
 
-fn assemble(model: &Model, file: &Path, asked: &Asked) -> Result<Geometry> {
+fn assemble(model: &Model, file: &Path, asked: &ReadOptions) -> Result<Geometry> {
     let mut geometry = Geometry::default();
     let mut notes = Notes::default();
     if asked.assume_version.is_none() {
         geometry.warnings.extend(doubt(model.version, file).into_iter().map(Message::from));
     }
-    let place = Place::read(model, file, &mut geometry.warnings)?;
+    let place = PlaceObject::read(model, file, &mut geometry.warnings)?;
     geometry.reference = reference(model, file, &mut notes)?;
     for object in model.of("GeometryTransform") {
         notes.add("GeometryTransform objects are ignored: the building keeps its proportions", &object.name);

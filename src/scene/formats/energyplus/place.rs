@@ -24,7 +24,7 @@ pub(super) enum Of<'n> {
 }
 
 #[derive(Debug)]
-pub(super) struct Place {
+pub(super) struct PlaceObject {
     clockwise: bool,
     /// Index of the corner that comes first: upper left, lower left, lower right, upper right.
     corner: usize,
@@ -50,8 +50,8 @@ fn turned(p: DVec3, degrees: f64) -> DVec3 {
     DVec2::from_angle(-degrees.to_radians()).rotate(p.truncate()).extend(p.z)
 }
 
-impl Place {
-    pub(super) fn read(model: &Model, file: &Path, warnings: &mut Vec<Message>) -> Result<Place> {
+impl PlaceObject {
+    pub(super) fn read(model: &Model, file: &Path, warnings: &mut Vec<Message>) -> Result<PlaceObject> {
         let rules = model.of("GlobalGeometryRules").next();
         let text = |key| rules.map_or("", |rules| rules.text(key));
         let corner = text("starting_vertex_position").to_lowercase();
@@ -80,7 +80,7 @@ impl Place {
         }
         let building = model.of("Building").next();
         let north = building.map_or(Ok(0.0), |building| building.number_or(file, "north_axis", 0.0))?;
-        Ok(Place {
+        Ok(PlaceObject {
             clockwise: direction.starts_with("cl") || direction == "cw",
             corner: corner.unwrap_or(0),
             world: system != "relative",

@@ -9,7 +9,7 @@ use crate::formats::building::notes::Notes;
 use crate::formats::building::reasons::{TOO_FAR, TOO_FEW};
 use crate::formats::energyplus::materials::Materials;
 use crate::formats::energyplus::model::{Model, Object};
-use crate::formats::energyplus::place::{Of, Place};
+use crate::formats::energyplus::place::{Of, PlaceObject};
 use crate::formats::energyplus::surfaces::{NO_SIZE, Surface, Surfaces, Title, stated_vertices, write_face};
 use crate::geometry::Geometry;
 use glam::DVec3;
@@ -22,7 +22,7 @@ const NO_WINDOW: &str = "because the window or door that they shade is not in th
 pub(super) fn write(
     model: &Model,
     file: &Path,
-    place: &Place,
+    place: &PlaceObject,
     surfaces: &Surfaces,
     geometry: &mut Geometry,
     materials: &mut Materials,
@@ -67,7 +67,7 @@ pub(super) fn write(
 
 struct Writer<'w, 'm> {
     file: &'w Path,
-    place: &'w Place,
+    place: &'w PlaceObject,
     geometry: &'w mut Geometry,
     materials: &'w mut Materials<'m>,
     notes: &'w mut Notes,

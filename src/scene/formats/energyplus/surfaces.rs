@@ -15,7 +15,7 @@ use crate::formats::building::notes::Notes;
 use crate::formats::building::reasons::{ALL_WINDOW, BEYOND, INSIDE, TOO_FAR, TOO_FEW};
 use crate::formats::energyplus::materials::Materials;
 use crate::formats::energyplus::model::{Model, Object, same};
-use crate::formats::energyplus::place::{Of, Place};
+use crate::formats::energyplus::place::{Of, PlaceObject};
 use crate::formats::energyplus::turned::turn_outwards;
 use crate::geometry::Geometry;
 use heliotile_core::error::Result;
@@ -27,7 +27,7 @@ const NO_BASE: &str = "because the surface that they name is not in the file";
 
 /// Space behind a surface, seen from its zone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Behind {
+enum AdjacentSpace {
     Outdoors,
     Ground,
     /// Not stated: a wall to a neighbour, or one between zones.
@@ -41,7 +41,7 @@ pub(super) struct Surface<'m> {
     pub frame: Frame,
     /// Index of the wall that an opening belongs to; a wall's own index for a wall.
     pub base: usize,
-    behind: Behind,
+    behind: AdjacentSpace,
     kind: SurfaceKind,
     /// True if the sun may reach the surface: it lies outdoors and is not stated as `NoSun`.
     exposed: bool,
@@ -50,7 +50,7 @@ pub(super) struct Surface<'m> {
 /// Properties of a surface, as its class and fields state them.
 struct Said {
     base: usize,
-    behind: Behind,
+    behind: AdjacentSpace,
     kind: SurfaceKind,
     exposed: bool,
 }
@@ -67,7 +67,7 @@ impl<'m> Surfaces<'m> {
     pub(super) fn read(
         model: &'m Model,
         file: &Path,
-        place: &Place,
+        place: &PlaceObject,
         geometry: &mut Geometry,
         notes: &mut Notes,
     ) -> Result<Surfaces<'m>> {
@@ -101,7 +101,7 @@ impl<'m> Surfaces<'m> {
         object: &'m Object,
         kind: &Kind,
         file: &Path,
-        place: &Place,
+        place: &PlaceObject,
         geometry: &mut Geometry,
         notes: &mut Notes,
     ) -> Result<()> {
@@ -132,7 +132,8 @@ impl<'m> Surfaces<'m> {
             }
         }
         let index = self.list.len();
-        let exposed = kind.behind == Behind::Outdoors && !object.text("sun_exposure").eq_ignore_ascii_case("NoSun");
+        let exposed =
+            kind.behind == AdjacentSpace::Outdoors && !object.text("sun_exposure").eq_ignore_ascii_case("NoSun");
         let said = Said { base: index, behind: kind.behind, kind: kind.kind, exposed };
         self.push(object, vertices, frame, said, geometry, notes);
         Ok(())
@@ -142,7 +143,7 @@ impl<'m> Surfaces<'m> {
         &mut self,
         object: &'m Object,
         file: &Path,
-        place: &Place,
+        place: &PlaceObject,
         geometry: &mut Geometry,
         notes: &mut Notes,
     ) -> Result<()> {
@@ -210,14 +211,14 @@ impl<'m> Surfaces<'m> {
 
     /// Marks adiabatic surfaces that lie back to back as inside: they separate two zones.
     fn pair_up(&mut self) {
-        let open = self.list.iter().enumerate().filter(|(_, surface)| surface.behind == Behind::Adiabatic);
+        let open = self.list.iter().enumerate().filter(|(_, surface)| surface.behind == AdjacentSpace::Adiabatic);
         let inside = back_to_back(open.map(|(i, surface)| (i, surface.vertices.as_slice())));
         for i in 0..self.list.len() {
             let base = self.list.get(i).map_or(i, |surface| surface.base);
             if inside.contains(&base)
                 && let Some(surface) = self.list.get_mut(i)
             {
-                surface.behind = Behind::Inside;
+                surface.behind = AdjacentSpace::Inside;
             }
         }
     }
@@ -231,7 +232,7 @@ impl<'m> Surfaces<'m> {
         notes: &mut Notes,
     ) -> Result<()> {
         for (index, surface) in self.list.iter().enumerate() {
-            if surface.behind == Behind::Inside {
+            if surface.behind == AdjacentSpace::Inside {
                 geometry.leave_out(INSIDE);
             } else if surface.base == index {
                 let openings = self.openings.get(&index).map_or(&[][..], Vec::as_slice);
@@ -273,7 +274,7 @@ fn write_wall(
         geometry.leave_out(ALL_WINDOW);
         return Ok(());
     }
-    let on_ground = wall.behind == Behind::Ground && wall.kind == SurfaceKind::Floor;
+    let on_ground = wall.behind == AdjacentSpace::Ground && wall.kind == SurfaceKind::Floor;
     let material = materials.of_construction(wall.object, on_ground, geometry, notes)?;
     write_face(&rings, material, &wall.title(zone), file, geometry)
 }
@@ -320,7 +321,7 @@ pub(super) fn write_face(
 
 /// Properties that follow from the class of a surface.
 struct Kind {
-    behind: Behind,
+    behind: AdjacentSpace,
     kind: SurfaceKind,
     tilt_deg: f64,
 }
@@ -345,16 +346,16 @@ impl Kind {
             "Wall:Detailed" => kind(behind(object), "wall"),
             "RoofCeiling:Detailed" => kind(behind(object), "roof"),
             "Floor:Detailed" => kind(behind(object), "floor"),
-            "Wall:Exterior" => kind(Behind::Outdoors, "wall"),
-            "Roof" => kind(Behind::Outdoors, "roof"),
-            "Wall:Underground" => kind(Behind::Ground, "wall"),
-            "Floor:GroundContact" => kind(Behind::Ground, "floor"),
-            "Wall:Adiabatic" => kind(Behind::Adiabatic, "wall"),
-            "Ceiling:Adiabatic" => kind(Behind::Adiabatic, "ceiling"),
-            "Floor:Adiabatic" => kind(Behind::Adiabatic, "floor"),
-            "Wall:Interzone" => kind(Behind::Inside, "wall"),
-            "Ceiling:Interzone" => kind(Behind::Inside, "ceiling"),
-            "Floor:Interzone" => kind(Behind::Inside, "floor"),
+            "Wall:Exterior" => kind(AdjacentSpace::Outdoors, "wall"),
+            "Roof" => kind(AdjacentSpace::Outdoors, "roof"),
+            "Wall:Underground" => kind(AdjacentSpace::Ground, "wall"),
+            "Floor:GroundContact" => kind(AdjacentSpace::Ground, "floor"),
+            "Wall:Adiabatic" => kind(AdjacentSpace::Adiabatic, "wall"),
+            "Ceiling:Adiabatic" => kind(AdjacentSpace::Adiabatic, "ceiling"),
+            "Floor:Adiabatic" => kind(AdjacentSpace::Adiabatic, "floor"),
+            "Wall:Interzone" => kind(AdjacentSpace::Inside, "wall"),
+            "Ceiling:Interzone" => kind(AdjacentSpace::Inside, "ceiling"),
+            "Floor:Interzone" => kind(AdjacentSpace::Inside, "floor"),
             _ => return None,
         })
     }
@@ -366,16 +367,18 @@ fn opening_kind(object: &Object) -> SurfaceKind {
     if door { SurfaceKind::Wall } else { SurfaceKind::Window }
 }
 
-fn behind(object: &Object) -> Behind {
+fn behind(object: &Object) -> AdjacentSpace {
     let condition = object.text("outside_boundary_condition").to_lowercase();
     match condition.as_str() {
         // A surface behind itself is how older models state an adiabatic one.
-        "surface" if same(object.text("outside_boundary_condition_object")) == same(&object.name) => Behind::Adiabatic,
-        "surface" | "zone" | "space" => Behind::Inside,
-        "adiabatic" => Behind::Adiabatic,
-        ground if ground.starts_with("ground") || ground == "foundation" => Behind::Ground,
+        "surface" if same(object.text("outside_boundary_condition_object")) == same(&object.name) => {
+            AdjacentSpace::Adiabatic
+        }
+        "surface" | "zone" | "space" => AdjacentSpace::Inside,
+        "adiabatic" => AdjacentSpace::Adiabatic,
+        ground if ground.starts_with("ground") || ground == "foundation" => AdjacentSpace::Ground,
         // `Outdoors`, `OtherSideCoefficients`, `OtherSideConditionsModel`: part of the hull.
-        _ => Behind::Outdoors,
+        _ => AdjacentSpace::Outdoors,
     }
 }
 

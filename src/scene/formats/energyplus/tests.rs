@@ -18,7 +18,7 @@ const BOX_JSON: &str = include_str!("../../../../tests/data/energyplus/box.epJSO
 const BOX_EIO: &str = include_str!("../../../../tests/data/energyplus/box.eio.csv");
 
 fn read_bytes(bytes: &[u8], name: &str) -> Result<Geometry> {
-    parse(bytes, Path::new(name), &Asked { reflectances: true, ..Asked::default() })
+    parse(bytes, Path::new(name), &ReadOptions { reflectances: true, ..ReadOptions::default() })
 }
 
 fn idf(text: &str) -> Geometry {
@@ -166,7 +166,7 @@ fn fields_of_older_versions_are_found() {
     let last = format!("{}Version,9.5;", no_space.replace("Version,25.2;", ""));
     assert_eq!(faces(&idf(&last)), expected);
     // With 8.9 assumed, fields are read as those of 8.9 under any stated version.
-    let assumed = Asked { assume_version: "8.9".parse().ok(), ..Asked::default() };
+    let assumed = ReadOptions { assume_version: "8.9".parse().ok(), ..ReadOptions::default() };
     for version in ["7.2", "25.2", "26.1"] {
         let geometry = parse(with_control.replace("25.2", version).as_bytes(), Path::new("m.idf"), &assumed);
         let geometry = geometry.expect("readable");

@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 use crate::Scene;
 use crate::footprint_options::HeightAbove;
 use crate::formats::test_cases::{self, areas_m2};
-use crate::load::Soup;
+use crate::load::ObjectTriangles;
 use crate::site::{Part, SceneFiles};
 
 fn case(name: &str) -> PathBuf {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/footprints/cases")).join(name)
 }
 
-fn load(name: &str) -> Result<(Scene, Soup), String> {
+fn load(name: &str) -> Result<(Scene, ObjectTriangles), String> {
     test_cases::load(&format!("footprints/cases/{name}"))
 }
 

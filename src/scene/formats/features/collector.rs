@@ -17,7 +17,7 @@ use crate::coordinate::{MAX_COORDINATE_M, is_position};
 use crate::footprint::{Footprint, StatedHeights};
 use crate::footprints::region::{is_crossed, oriented, repaired, united};
 use crate::footprints::stated::{Heights, NO_HEIGHT, Stated};
-use crate::formats::Asked;
+use crate::formats::ReadOptions;
 use crate::geometry::Geometry;
 use heliotile_core::site::semantics::FaceNote;
 
@@ -37,7 +37,7 @@ const FACE: &str = "WallSurface";
 /// Geometry from the features that were read so far.
 pub(in crate::formats) struct Collector<'a> {
     file: &'a Path,
-    asked: &'a Asked,
+    asked: &'a ReadOptions,
     geometry: Geometry,
     names: HashSet<String>,
     /// Number of features that wanted a name that was taken.
@@ -62,7 +62,7 @@ pub(in crate::formats) struct Collector<'a> {
 }
 
 impl<'a> Collector<'a> {
-    pub(in crate::formats) fn new(file: &'a Path, asked: &'a Asked) -> Self {
+    pub(in crate::formats) fn new(file: &'a Path, asked: &'a ReadOptions) -> Self {
         Collector {
             file,
             asked,

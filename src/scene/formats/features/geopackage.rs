@@ -23,7 +23,7 @@ use super::feature::{Feature, TakeFeature};
 use super::layers;
 use super::shapes::{Shapes, unreadable};
 use super::system::FeatureSystem;
-use crate::formats::Asked;
+use crate::formats::ReadOptions;
 use crate::text::excerpt;
 
 /// Longest text, geometry or row, bytes: a geometry of 5 million corners.
@@ -95,7 +95,7 @@ impl Database {
 }
 
 /// Reads the features of the layers that `asked` names, or that hold buildings.
-pub(super) fn read(file: &Path, asked: &Asked, take: &mut TakeFeature) -> Result<FeatureSystem> {
+pub(super) fn read(file: &Path, asked: &ReadOptions, take: &mut TakeFeature) -> Result<FeatureSystem> {
     let wrong = |error: rusqlite::Error| {
         let text = error.to_string();
         let what = format!("the file cannot be read as a GeoPackage: {}", excerpt(text.as_bytes()));
@@ -256,7 +256,7 @@ mod tests {
     /// read.
     fn read_all(path: &Path) -> Result<(Vec<Read>, Vec<String>)> {
         let mut found = Vec::new();
-        let system = read(path, &Asked::default(), &mut |feature: Feature| {
+        let system = read(path, &ReadOptions::default(), &mut |feature: Feature| {
             let corners = feature.polygons.iter().flatten().map(Vec::len).sum();
             found.push((corners, Value::Object(feature.attributes).to_string()));
             Ok(())

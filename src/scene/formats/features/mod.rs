@@ -33,7 +33,7 @@ mod tests;
 
 use std::path::Path;
 
-use crate::formats::Asked;
+use crate::formats::ReadOptions;
 use crate::geometry::Geometry;
 use heliotile_core::error::Result;
 use heliotile_files::input;
@@ -54,7 +54,7 @@ pub(super) enum FeatureFormat {
 
 /// Reads a file of features. `bytes` are its unpacked content; they are empty for a GeoPackage,
 /// which SQLite opens itself.
-pub(super) fn parse(format: FeatureFormat, bytes: Vec<u8>, file: &Path, asked: &Asked) -> Result<Geometry> {
+pub(super) fn parse(format: FeatureFormat, bytes: Vec<u8>, file: &Path, asked: &ReadOptions) -> Result<Geometry> {
     let mut collector = Collector::new(file, asked);
     let mut take = |feature| collector.add(feature);
     let system = match format {
@@ -67,7 +67,7 @@ pub(super) fn parse(format: FeatureFormat, bytes: Vec<u8>, file: &Path, asked: &
 }
 
 /// Reads the shapefile in a zip; `None` if the zip holds none.
-pub(super) fn zipped_shapefile(file: &Path, asked: &Asked) -> Result<Option<Geometry>> {
+pub(super) fn zipped_shapefile(file: &Path, asked: &ReadOptions) -> Result<Option<Geometry>> {
     let Some(parts) = input::zipped_shapefile(file)? else { return Ok(None) };
     let mut collector = Collector::new(file, asked);
     let system = shapefile::read_parts(&parts, file, &mut |feature| collector.add(feature))?;

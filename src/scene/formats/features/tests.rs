@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::Scene;
 use crate::covering::surfaces::Surfaces;
 use crate::footprint_options::FootprintOptions;
-use crate::load::Soup;
+use crate::load::ObjectTriangles;
 use crate::site::{Part, SceneFiles};
 use heliotile_core::site::semantics::SurfaceKind;
 
@@ -21,11 +21,11 @@ fn site(file: &Path, options: &FootprintOptions, epsg: Option<u32>) -> SceneFile
     site
 }
 
-fn load(file: &Path, options: &FootprintOptions) -> (Scene, Soup) {
+fn load(file: &Path, options: &FootprintOptions) -> (Scene, ObjectTriangles) {
     Scene::load_with_objects(&site(file, options, None)).expect("a scene")
 }
 
-fn areas(scene: &Scene, soup: &Soup) -> [f64; 2] {
+fn areas(scene: &Scene, soup: &ObjectTriangles) -> [f64; 2] {
     let surfaces = Surfaces::find(soup, &scene.materials);
     [SurfaceKind::Roof, SurfaceKind::Wall].map(|kind| {
         let own = surfaces.list.iter().filter(|surface| surface.kind == kind);

@@ -10,7 +10,7 @@ use crate::materials::select::class_of_name;
 use heliotile_core::text::message;
 use std::path::Path;
 
-use crate::formats::Asked;
+use crate::formats::ReadOptions;
 use crate::formats::gltf::json::{Material as Json, Root};
 use crate::formats::obj::DEFAULT_MATERIAL;
 use crate::geometry::Geometry;
@@ -22,7 +22,7 @@ use heliotile_core::site::material::Material;
 pub(super) struct Materials<'r> {
     root: &'r Root,
     file: &'r Path,
-    asked: &'r Asked,
+    asked: &'r ReadOptions,
     known: Vec<Option<u32>>,
     /// Names of materials with properties that are ignored, by kind.
     textured: Vec<String>,
@@ -32,7 +32,7 @@ pub(super) struct Materials<'r> {
 }
 
 impl<'r> Materials<'r> {
-    pub(super) fn new(root: &'r Root, asked: &'r Asked, file: &'r Path) -> Self {
+    pub(super) fn new(root: &'r Root, asked: &'r ReadOptions, file: &'r Path) -> Self {
         Materials {
             root,
             file,

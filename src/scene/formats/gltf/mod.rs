@@ -18,7 +18,7 @@ use std::path::Path;
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 
 use crate::coordinate::is_position;
-use crate::formats::Asked;
+use crate::formats::ReadOptions;
 use crate::formats::gltf::buffers::{Buffers, Values};
 use crate::formats::gltf::instances::placements;
 use crate::formats::gltf::json::{Mesh, Node, Primitive, Root, may_hold_geometry, unreadable};
@@ -39,7 +39,7 @@ const PRIMITIVE_BYTES: u64 = 64;
 
 const HINT: &str = "export it again, or check it with a glTF validator";
 
-pub(super) fn parse(bytes: &[u8], file: &Path, asked: &Asked) -> Result<Geometry> {
+pub(super) fn parse(bytes: &[u8], file: &Path, asked: &ReadOptions) -> Result<Geometry> {
     let (json, chunk) = buffers::split(bytes, file)?;
     let root = Root::parse(json, file, json.len() == bytes.len())?;
     let ignored = root.check_extensions(file)?;

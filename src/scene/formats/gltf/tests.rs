@@ -10,8 +10,8 @@ use serde_json::{Value, json};
 use crate::formats::gltf::*;
 use crate::formats::test_solids::{area_and_volume, cube};
 
-fn asked() -> Asked {
-    Asked { reflectances: true, ..Asked::default() }
+fn asked() -> ReadOptions {
+    ReadOptions { reflectances: true, ..ReadOptions::default() }
 }
 
 fn parse(json: &Value) -> Result<Geometry> {
@@ -220,7 +220,7 @@ fn materials_with_a_stated_colour_are_described() {
         "{:?}",
         geometry.warnings
     );
-    let plain = Asked::default();
+    let plain = ReadOptions::default();
     let named =
         crate::formats::gltf::parse(json.to_string().as_bytes(), Path::new("town.gltf"), &plain).expect("readable");
     assert_eq!(named.materials.as_slice(), ["roof", "half", "material_3", "bare", "default"]);

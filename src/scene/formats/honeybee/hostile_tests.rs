@@ -11,7 +11,7 @@ use crate::polygon::triangulate;
 const TWO_ROOMS: &str = include_str!("../../../../tests/data/honeybee/two_rooms.hbjson");
 
 fn read_bytes(bytes: &[u8]) -> Result<Geometry> {
-    super::parse(bytes, Path::new("m.hbjson"), &Asked { reflectances: true, ..Asked::default() })
+    super::parse(bytes, Path::new("m.hbjson"), &ReadOptions { reflectances: true, ..ReadOptions::default() })
 }
 
 /// Returns a model of one shade with any text as its boundary.

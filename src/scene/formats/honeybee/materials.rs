@@ -8,7 +8,7 @@ use crate::formats::building::optics::Stated;
 use crate::formats::honeybee::document::Model;
 use crate::formats::honeybee::optics::{Layers, of_construction, of_modifier, shade_transmittance};
 use crate::formats::honeybee::properties::{Construction, Layer, Modifier, Named, Schedule, Set, SubSet};
-use crate::formats::honeybee::surface::{Behind, Kind, Surface};
+use crate::formats::honeybee::surface::{AdjacentSpace, Kind, Surface};
 use crate::geometry::Geometry;
 use crate::materials::select::MaterialTable;
 use heliotile_core::site::material::{Class, Glass, Material};
@@ -73,7 +73,7 @@ impl<'d> Materials<'d> {
             assumed(surface.kind)
         });
         let class = match surface.kind {
-            Kind::Floor(Behind::Ground) => Class::Ground,
+            Kind::Floor(AdjacentSpace::Ground) => Class::Ground,
             _ => Class::Obstruction,
         };
         self.stated.add(Material { class, ..material }, geometry)
@@ -156,12 +156,12 @@ fn pick<'s, T>(
     kind: Kind,
     on_ground: impl Fn(&'s SubSet<T>) -> Option<&'s Named<T>>,
 ) -> Option<&'s Named<T>> {
-    let face = |part: &'s Option<SubSet<T>>, behind: Behind| {
+    let face = |part: &'s Option<SubSet<T>>, behind: AdjacentSpace| {
         let part = part.as_ref()?;
         match behind {
-            Behind::Outdoors => part.exterior.as_ref(),
-            Behind::Ground => on_ground(part),
-            Behind::Adiabatic => part.interior.as_ref(),
+            AdjacentSpace::Outdoors => part.exterior.as_ref(),
+            AdjacentSpace::Ground => on_ground(part),
+            AdjacentSpace::Adiabatic => part.interior.as_ref(),
         }
     };
     let (windows, doors, shades) = (set.aperture_set.as_ref(), set.door_set.as_ref(), set.shade_set.as_ref());

@@ -21,7 +21,7 @@ use std::path::Path;
 
 use serde::de::{Deserializer, Error as _, IgnoredAny, MapAccess, Visitor};
 
-use crate::formats::Asked;
+use crate::formats::ReadOptions;
 use crate::formats::building::standing::{Shades, ground_elevation_m};
 use crate::geometry::Geometry;
 use crate::ground::model::ModelGround;
@@ -35,7 +35,7 @@ const LONGEST_MESSAGE: usize = 240;
 const HINT: &str = "write it again with honeybee (`Model.to_hbjson`), or check it with `honeybee validate`";
 
 /// Reads a model.
-pub(super) fn parse(bytes: &[u8], file: &Path, asked: &Asked) -> Result<Geometry> {
+pub(super) fn parse(bytes: &[u8], file: &Path, asked: &ReadOptions) -> Result<Geometry> {
     let mut json = serde_json::Deserializer::from_slice(without_byte_order_mark(bytes));
     let model: Model = serde_path_to_error::deserialize(&mut json).map_err(|error| {
         let place = error.path().to_string();

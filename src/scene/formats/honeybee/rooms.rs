@@ -16,7 +16,7 @@ use crate::formats::building::reasons::{ALL_WINDOW, BEYOND, INSIDE, TOO_FAR, TUR
 use crate::formats::honeybee::cut::cut;
 use crate::formats::honeybee::document::{Boundary, Face, FaceType, Model, Opening, Room, Shade, ShadeMesh};
 use crate::formats::honeybee::materials::Materials;
-use crate::formats::honeybee::surface::{Behind, Kind, Rings, Surface, Writer};
+use crate::formats::honeybee::surface::{AdjacentSpace, Kind, Rings, Surface, Writer};
 use crate::geometry::Geometry;
 use heliotile_core::error::{Error, Result};
 
@@ -256,9 +256,9 @@ impl<'d> Reader<'_, 'd> {
 /// Returns the kind of a face of the hull; `None` for a face inside.
 fn kind_of(face: &Face) -> Option<Kind> {
     let behind = match face.boundary_condition.kind {
-        Boundary::Outdoors | Boundary::OtherSideTemperature => Behind::Outdoors,
-        Boundary::Ground => Behind::Ground,
-        Boundary::Adiabatic => Behind::Adiabatic,
+        Boundary::Outdoors | Boundary::OtherSideTemperature => AdjacentSpace::Outdoors,
+        Boundary::Ground => AdjacentSpace::Ground,
+        Boundary::Adiabatic => AdjacentSpace::Adiabatic,
         Boundary::Surface => return None,
     };
     match face.face_type {

@@ -29,9 +29,9 @@ pub(super) struct Surface<'d> {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
-    Wall(Behind),
-    Roof(Behind),
-    Floor(Behind),
+    Wall(AdjacentSpace),
+    Roof(AdjacentSpace),
+    Floor(AdjacentSpace),
     Window { in_wall: bool, operable: bool },
     Door { in_wall: bool, glass: bool },
     Shade { detached: bool },
@@ -39,7 +39,7 @@ pub(super) enum Kind {
 
 /// Space behind a face, seen from its room.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Behind {
+pub(super) enum AdjacentSpace {
     Outdoors,
     Ground,
     /// Adiabatic: the space is not stated.
@@ -49,9 +49,9 @@ pub(super) enum Behind {
 impl Surface<'_> {
     fn face_note(&self) -> FaceNote {
         let (kind, exposed) = match self.kind {
-            Kind::Wall(behind) => (SurfaceKind::Wall, behind == Behind::Outdoors),
-            Kind::Roof(behind) => (SurfaceKind::Roof, behind == Behind::Outdoors),
-            Kind::Floor(behind) => (SurfaceKind::Floor, behind == Behind::Outdoors),
+            Kind::Wall(behind) => (SurfaceKind::Wall, behind == AdjacentSpace::Outdoors),
+            Kind::Roof(behind) => (SurfaceKind::Roof, behind == AdjacentSpace::Outdoors),
+            Kind::Floor(behind) => (SurfaceKind::Floor, behind == AdjacentSpace::Outdoors),
             Kind::Window { .. } | Kind::Door { glass: true, .. } => (SurfaceKind::Window, true),
             Kind::Door { glass: false, .. } => (SurfaceKind::Wall, true),
             Kind::Shade { .. } => (SurfaceKind::Shade, true),

@@ -21,7 +21,7 @@ const TWO_ROOMS: &str = include_str!("../../../../tests/data/honeybee/two_rooms.
 const TWO_ROOMS_CSV: &str = include_str!("../../../../tests/data/honeybee/two_rooms.honeybee.csv");
 
 fn read(text: &str) -> Geometry {
-    let asked = Asked { reflectances: true, ..Asked::default() };
+    let asked = ReadOptions { reflectances: true, ..ReadOptions::default() };
     super::parse(text.as_bytes(), Path::new("m.hbjson"), &asked).expect("readable")
 }
 
