@@ -385,6 +385,22 @@ fn the_engine_is_small() {
     assert!(crates.len() <= 65, "{} crates: {crates:?}", crates.len());
 }
 
+/// The package of the library holds the rooms that it is made of: 3 folders and its first file.
+#[test]
+fn the_package_holds_its_rooms() {
+    let root = Path::new(crate::ROOT);
+    let manifest = fs::read_to_string(root.join("Cargo.toml")).expect("the manifest");
+    let included = manifest.lines().find(|line| line.starts_with("include = ")).expect("a list of files");
+    let library = fs::read_to_string(root.join("src/lib.rs")).expect("the library");
+    let rooms =
+        library.lines().filter_map(|line| line.trim_start_matches("pub ").strip_prefix("mod ")?.strip_suffix(';'));
+    let rooms: Vec<&str> = rooms.collect();
+    assert_eq!(rooms, ["book", "cases", "site"]);
+    for room in rooms {
+        assert!(included.contains(&format!("\"/src/{room}/")), "{room} is not in: {included}");
+    }
+}
+
 /// Without its default features the engine opens no file by itself: outside tests and the three
 /// files that read files, 0 of its files name one, the system's temporary folder, the environment,
 /// a clock or a thread, and none prints.
