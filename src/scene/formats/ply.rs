@@ -1,9 +1,9 @@
 //! In: the bytes of a PLY file, text or binary of either byte order. Out: its polygons; colours and
 //! all other properties are skipped.
 //!
-//! The crate `ply-rs-bw` 4.0.1 is not used: it refuses files that other programs write (line ends of
-//! one CR, `.5`, Latin-1 in comments), misreads two properties of one name, and needs a guard of its
-//! own against elements without properties. Source: G. Turk, The PLY Polygon File Format, 1994.
+//! The crate `ply-rs-bw` 4.0.1 is not used: it refuses files that other programs write (line ends
+//! of one CR, `.5`, Latin-1 in comments), misreads two properties of one name, and needs a guard of
+//! its own against elements without properties. Source: G. Turk, The PLY Polygon File Format, 1994.
 
 use std::path::Path;
 
