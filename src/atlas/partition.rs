@@ -10,7 +10,7 @@ use crate::plan::{AtlasPlan, CutRequest, FILE, absolute, is_atlas};
 use crate::seam_trial;
 use crate::state::PartState;
 use heliotile_archives::Workspace;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Result, check_ranges};
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::observer::Observer;
 use heliotile_files::spill::parse_memory;
@@ -50,6 +50,7 @@ impl Default for PartitionRequest {
 
 /// Cuts a region into parts and writes its plan.
 pub fn partition(request: &PartitionRequest, observer: &dyn Observer) -> Result<AtlasPlan> {
+    check_ranges(request)?;
     let (atlas, cut) = (request.atlas.as_path(), &request.cut);
     check_folder(request)?;
     let scene = absolute(&cut.scene)?;

@@ -7,7 +7,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 pub use heliotile_requests::Problem;
-use heliotile_requests::{Message, Named, Refused, Words, message};
+use heliotile_requests::{Message, Named, Refused, Request, Words, message};
 
 /// Result of every function that can fail.
 pub type Result<T> = std::result::Result<T, Error>;
@@ -119,6 +119,11 @@ pub enum Error {
         /// The largest one allowed.
         max: u64,
     },
+}
+
+/// Refuses a request with a number outside of the range of its field.
+pub fn check_ranges(request: &impl Request) -> Result<()> {
+    request.in_range().map_err(Error::refused)
 }
 
 impl Error {

@@ -34,6 +34,11 @@ pub trait Request {
     /// what is wrong with a text.
     fn fill(&mut self, name: &str, texts: &[String]) -> Result<bool, Wrong>;
 
+    /// Refuses a number outside of the range of its field, however the request was filled.
+    fn in_range(&self) -> Result<(), Refused> {
+        Ok(())
+    }
+
     /// Hands on every file that the request names.
     fn files(&self, each: &mut dyn FnMut(&'static str, Role, &Path));
 
@@ -329,6 +334,10 @@ impl<R: Request> Request for Box<R> {
 
     fn fill(&mut self, name: &str, texts: &[String]) -> Result<bool, Wrong> {
         self.as_mut().fill(name, texts)
+    }
+
+    fn in_range(&self) -> Result<(), Refused> {
+        self.as_ref().in_range()
     }
 
     fn files(&self, each: &mut dyn FnMut(&'static str, Role, &Path)) {

@@ -104,6 +104,26 @@ fn texts_fill_fields() {
     assert!(matches!(&misspelt.problem, Problem::Unknown { found, .. } if found == "weathr"), "{misspelt:?}");
 }
 
+/// Numbers that a program sets are judged like texts, those of flattened structs too: 3 of 5 are
+/// refused, with their field and range; NaN is one of them.
+#[test]
+fn numbers_stay_in_their_range() {
+    let with = |steps, latitude_deg| Asked { steps, place: Place { latitude_deg }, ..Asked::default() };
+    assert_eq!(with(None, None).in_range().and(with(Some(60), Some(-90.0)).in_range()), Ok(()));
+    for (request, field, (least, most)) in [
+        (with(Some(61), None), "steps", (1.0, 60.0)),
+        (with(None, Some(90.5)), "latitude", (-90.0, 90.0)),
+        (with(Some(1), Some(f64::NAN)), "latitude", (-90.0, 90.0)),
+    ] {
+        let refused = request.in_range().expect_err(field);
+        let range = match refused.problem {
+            Problem::OutOfRange { least, most, .. } => (least, most),
+            _ => (0.0, 0.0),
+        };
+        assert_eq!((refused.fields.as_slice(), range), ([field.to_owned()].as_slice(), (least, most)));
+    }
+}
+
 /// Two of 5 sets of filled fields are complete: the others lack what is required, or name two
 /// fields that exclude each other.
 #[test]

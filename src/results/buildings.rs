@@ -9,7 +9,7 @@ use crate::outputs::buildings::{Cadastre, Usable, building_rows, face_rows};
 use crate::outputs::tables::format::table_help;
 use crate::outputs::tables::format::{Format, files_of};
 use heliotile_archives::transfer::Shown;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Result, check_ranges};
 use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::text::{Message, counted, message};
 use heliotile_core::units::parse_amount;
@@ -57,6 +57,7 @@ impl Default for BuildingsRequest {
 impl BuildingsRequest {
     /// Refuses tables of unknown endings, and tables that would replace an input or each other.
     pub fn check(&self, inputs: &[&Path]) -> Result<()> {
+        check_ranges(self)?;
         let outputs = || [Some(self.output.as_path()), self.faces.as_deref()].into_iter().flatten();
         for output in outputs() {
             check_table(output, inputs)?;

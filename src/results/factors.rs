@@ -11,7 +11,7 @@ use crate::outputs::groups::{GroupMeans, Groups};
 use crate::outputs::provenance::Provenance;
 use crate::outputs::tables::format::table_help;
 use crate::outputs::tables::layout::By;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Result, check_ranges};
 use heliotile_core::memory::Use;
 use heliotile_core::observer::Observer;
 use heliotile_core::replay::factors::{PARTS, SunGrid};
@@ -46,6 +46,7 @@ impl Default for FactorsRequest {
 impl FactorsRequest {
     /// Refuses a table of an unknown ending, and one that would replace an input.
     pub fn check(&self, inputs: &[&Path]) -> Result<()> {
+        check_ranges(self)?;
         check_table(&self.output, inputs)
     }
 

@@ -12,7 +12,7 @@ use crate::outputs::tables::column::Column;
 use crate::outputs::tables::format::table_help;
 use crate::outputs::tables::records::{Cell, Records};
 use heliotile_archives::transfer::Shown;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Result, check_ranges};
 use heliotile_core::named::NamedValues;
 use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::site::north::North;
@@ -78,6 +78,7 @@ impl Default for PlacesRequest {
 impl PlacesRequest {
     /// Refuses a table of an unknown ending, and one that would replace an input.
     pub fn check(&self, inputs: &[&Path]) -> Result<()> {
+        check_ranges(self)?;
         check_table(&self.output, inputs)
     }
 

@@ -10,7 +10,7 @@ use super::doubts::{dated_rows, no_longwave, of_archive};
 use super::own_skies::{SkyChoice, SkyFiles};
 use super::resources::Resources;
 use crate::outputs::periods::Every;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Result, check_ranges};
 use heliotile_core::light::paths::LightPaths;
 use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::observer::Observer;
@@ -282,11 +282,8 @@ impl ReplayRequest {
 
     /// Refuses choices that exclude each other, before any file is read.
     pub fn check(&self) -> Result<()> {
+        check_ranges(self)?;
         self.light.check()?;
-        if self.steps.is_some_and(|steps| !(1..=MAX_STEPS).contains(&steps)) {
-            let what = format!("is not from 1 to {MAX_STEPS}");
-            return Err(Error::argument("steps", what, "leave it out to use the value of the archive"));
-        }
         if !self.light.is_longwave() && !self.temperatures.is_empty() {
             let hint = "give {columns} total,longwave, or leave it out";
             return Err(Error::argument("temperature", "no column depends on temperatures", hint));

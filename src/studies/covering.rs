@@ -12,7 +12,7 @@ use heliotile_builder::trace::Tracer;
 use heliotile_builder::trace::canopy::Canopies;
 use heliotile_builder::trace::placement::{Placement, placement_of};
 use heliotile_builder::trace::receiver::Viewpoint;
-use heliotile_core::error::{Error, Problem, Result};
+use heliotile_core::error::{Error, Problem, Result, check_ranges};
 use heliotile_core::observer::{Observer, Stage};
 use heliotile_core::site::material::Material;
 use heliotile_core::site::model_part::ModelPart;
@@ -24,7 +24,7 @@ use heliotile_core::units::parse_metres;
 use heliotile_requests::Request;
 use heliotile_results::outputs::receivers::{ReceiverRow, ReceiverTable};
 use heliotile_scene::Scene;
-use heliotile_scene::covering::cover::{MAX_POINTS, Piece, cover};
+use heliotile_scene::covering::cover::{LENGTHS_M, MAX_POINTS, Piece, cover};
 use heliotile_scene::covering::surfaces::{Surface, Surfaces};
 use heliotile_scene::load::ObjectTriangles;
 use heliotile_scene::mesh::bounds;
@@ -51,7 +51,7 @@ pub struct CoverRequest {
     #[field(flatten)]
     pub density: Density,
     /// Distance of receivers from their surfaces.
-    #[field(metavar = "LENGTH", default = "20mm", parse = parse_metres)]
+    #[field(metavar = "LENGTH", default = "20mm", parse = parse_metres, range = LENGTHS_M, says = "give a length from 1mm to 10km")]
     pub offset_m: f64,
     /// Least area of a surface that gets receivers, m2.
     #[field(metavar = "AREA", default = 0.1, range = AREAS_M2, says = "give an area from 0 to 1e9, in square metres")]
@@ -66,12 +66,8 @@ pub struct CoverRequest {
     pub may_be_none: bool,
 }
 
-/// Allowed distances between receivers and off surfaces, metres.
-const LENGTHS_M: RangeInclusive<f64> = 0.001..=10_000.0;
 /// Allowed areas below which a surface gets no receiver, m2.
 const AREAS_M2: RangeInclusive<f64> = 0.0..=1e9;
-/// Allowed numbers of receivers on a surface.
-const PER_SURFACE: RangeInclusive<u32> = 1..=1_000_000;
 
 impl Default for CoverRequest {
     /// Returns a receiver for each 2 m x 2 m of the roofs, walls and windows of buildings, 20 mm
@@ -86,27 +82,6 @@ impl Default for CoverRequest {
             min_area_m2: 0.1,
             within: None,
             may_be_none: false,
-        }
-    }
-}
-
-impl CoverRequest {
-    /// Refuses numbers that are out of range.
-    pub fn check(&self) -> Result<()> {
-        let length = |name: &str, metres: f64| match LENGTHS_M.contains(&metres) {
-            true => Ok(()),
-            false => Err(Error::argument(name, format!("is {metres} m"), "give 0.001 to 10000 metres")),
-        };
-        length("offset", self.offset_m)?;
-        if !AREAS_M2.contains(&self.min_area_m2) {
-            return Err(Error::argument("min_area", format!("is {} m2", self.min_area_m2), "give 0 to 1e9 m2"));
-        }
-        match self.density {
-            Density::Spacing(metres) => length("spacing", metres),
-            Density::PerSurface(count) if !PER_SURFACE.contains(&count) => {
-                Err(Error::argument("per_surface", format!("is {count}"), "give 1 to 1000000 receivers"))
-            }
-            Density::PerSurface(_) => Ok(()),
         }
     }
 }
@@ -194,7 +169,7 @@ pub fn cover_scene(
     asked: &CoverRequest,
     observer: &dyn Observer,
 ) -> Result<PlacedReceivers> {
-    asked.check()?;
+    check_ranges(asked)?;
     let surfaces = Surfaces::find(&soup, &scene.materials);
     doubts(&soup, &surfaces).iter().for_each(|doubt| observer.warn(doubt));
     // The rest of the soup is dropped to free its memory.

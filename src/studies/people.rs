@@ -2,6 +2,7 @@
 //! receivers a point, and the archive of the scene with them.
 
 use std::fs;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
@@ -15,7 +16,7 @@ use heliotile_builder::siting::Siting;
 use heliotile_comfort::people::columns::PLANES;
 use heliotile_comfort::people::points::receiver_name;
 use heliotile_comfort::wind::BODY_HEIGHT_M;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Result, check_ranges};
 use heliotile_core::observer::Observer;
 use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::site::north::North;
@@ -40,8 +41,8 @@ const PERSON: &str = "person";
 const POINT_M2: f64 = 1.0;
 
 /// Allowed distances between points, metres; `HEIGHTS_M` are the allowed heights of people.
-const SPACINGS_M: [f64; 2] = [0.1, 1000.0];
-const HEIGHTS_M: [f64; 2] = [0.05, 10.0];
+const SPACINGS_M: RangeInclusive<f64> = 0.1..=1000.0;
+const HEIGHTS_M: RangeInclusive<f64> = 0.05..=10.0;
 
 /// Request for the archive of a scene with people.
 #[derive(Clone, Debug, Request)]
@@ -57,10 +58,10 @@ pub struct ComfortSiteRequest {
     #[field(metavar = "KINDS", delimiter = ',', default = "ground")]
     pub on: Vec<String>,
     /// Distance between people, such as 2m.
-    #[field(metavar = "LENGTH", default = "2m", parse = parse_metres)]
+    #[field(metavar = "LENGTH", default = "2m", parse = parse_metres, range = SPACINGS_M, says = "give a length from 10cm to 1km")]
     pub spacing_m: f64,
     /// Height of the middle of a person above the ground.
-    #[field(metavar = "LENGTH", default = "1.1m", parse = parse_metres, name = "body_height")]
+    #[field(metavar = "LENGTH", default = "1.1m", parse = parse_metres, name = "body_height", range = HEIGHTS_M, says = "give a length from 5cm to 10m")]
     pub height_m: f64,
     /// Accuracy of the archive.
     #[field(flatten)]
@@ -124,13 +125,7 @@ impl ComfortSiteRequest {
     /// refused before anything is traced or written.
     pub fn build(&self, asked: Option<&ComfortRequest>, resources: &Resources) -> Result<PathBuf> {
         let observer = resources.observer;
-        for (field, metres, [least, most]) in
-            [("spacing", self.spacing_m, SPACINGS_M), ("body_height", self.height_m, HEIGHTS_M)]
-        {
-            if !(least..=most).contains(&metres) {
-                return Err(Error::argument(field, format!("is {metres} m"), format!("give {least} to {most} metres")));
-            }
-        }
+        check_ranges(self)?;
         let site = self.scene.site()?;
         let (load, mut loaded) = (|| LoadedScene::new(&site, observer), None);
         // Weather is checked before the scene is loaded, which takes longer. A weather file that

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 use crate::sources;
 use heliotile_core::archive::{Access, Archive};
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Result, check_ranges};
 use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::sky::model::SkyModel;
@@ -110,12 +110,7 @@ impl ExportRequest {
     /// Refuses numbers that are out of range and choices that exclude each other, before any file
     /// is read.
     pub fn check(&self) -> Result<()> {
-        for (name, irradiance) in [("dni", self.dni_w_m2), ("dhi", self.dhi_w_m2)] {
-            if !(0.0..=Self::MAX_W_M2).contains(&irradiance) {
-                let hint = format!("give a number from 0 to {}, W/m2", Self::MAX_W_M2);
-                return Err(Error::argument(name, format!("is {irradiance}"), hint));
-            }
-        }
+        check_ranges(self)?;
         let excluded = |names: &str, hint: &'static str| Err(Error::argument(names, "do not go together", hint));
         match self {
             _ if self.weather.is_some() && self.latitude_deg.is_some() => {

@@ -20,7 +20,7 @@ use heliotile_builder::planning::AccuracyRequest;
 use heliotile_builder::settings::EffectChoice;
 use heliotile_builder::trace::placement::Placement;
 use heliotile_core::archive::Archive;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Result, check_ranges};
 use heliotile_core::light::paths::LightPaths;
 use heliotile_core::named::{NamedValues, name_of};
 use heliotile_core::replay::factors::SunGrid;
@@ -270,6 +270,7 @@ impl EnergyplusRequest {
 
     /// Writes the folder: the model with its light, the archive, a report.
     pub fn write(&self, resources: &Resources) -> Result<()> {
+        check_ranges(self)?;
         run(&Task { request: self, resources: *resources })
     }
 

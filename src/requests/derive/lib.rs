@@ -58,6 +58,7 @@ fn expand(input: &DeriveInput) -> Result<Tokens> {
     };
     let about = About::new(&input.attrs)?;
     let (mut rows, mut groups, mut fill, mut files) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let mut ranges = Vec::new();
     for field in &data.fields {
         let (Some(ident), of) = (&field.ident, FieldAttribute::new(field)?) else { continue };
         if of.skip {
@@ -78,6 +79,7 @@ fn expand(input: &DeriveInput) -> Result<Tokens> {
                 if #(#known)* ::heliotile_requests::Request::fill(&mut self.#ident, name, texts)? { return Ok(true) }
             });
             files.push(quote!(::heliotile_requests::Request::files(&self.#ident, each);));
+            ranges.push(quote!(::heliotile_requests::Request::in_range(&self.#ident)?;));
             continue;
         }
         let name = of.face_name(&ident.to_string());
@@ -96,6 +98,16 @@ fn expand(input: &DeriveInput) -> Result<Tokens> {
             }
         };
         fill.push(quote!(if name == #name { #taken return Ok(true) }));
+        if let Some(range) = &of.range {
+            let says = option(&of.says);
+            let each = if many == Many::One { quote!([&self.#ident]) } else { quote!(self.#ident.iter()) };
+            ranges.push(quote! {
+                for number in #each {
+                    let text = number.to_string();
+                    ::heliotile_requests::within(Ok(*number), &text, #range, #says).map_err(|wrong| wrong.in_field(#name))?;
+                }
+            });
+        }
         if let Some(role) = &of.file {
             let each = match many {
                 Many::One => quote!(::std::iter::once(&self.#ident)),
@@ -126,6 +138,10 @@ fn expand(input: &DeriveInput) -> Result<Tokens> {
             fn fill(&mut self, name: &str, texts: &[String]) -> ::std::result::Result<bool, ::heliotile_requests::Wrong> {
                 #(#fill)*
                 Ok(false)
+            }
+            fn in_range(&self) -> ::std::result::Result<(), ::heliotile_requests::Refused> {
+                #(#ranges)*
+                Ok(())
             }
             fn files(&self, each: &mut dyn FnMut(&'static str, ::heliotile_requests::Role, &::std::path::Path)) {
                 #(#files)*

@@ -1,6 +1,7 @@
 //! Request for the thermal comfort of people. In: the choices of a user. Out: these choices as one
 //! value that was checked.
 
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -15,14 +16,14 @@ use heliotile_comfort::people::model::{ComfortModel, SunOnPerson, SurfaceModel};
 use heliotile_comfort::people::periods::PeriodSum;
 use heliotile_comfort::pet::{PetPerson, PetPosture};
 use heliotile_comfort::surroundings::{MIN_FILM_W_M2_K, SeenSurfaces, SurfaceMean, USUAL_FILM_W_M2_K};
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Result, check_ranges};
 use heliotile_core::named::NamedValues;
 use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::site::material::{Class, Material, rounded};
 use heliotile_requests::Request;
 
 /// Allowed heat transfer coefficients of surfaces, W/m2K.
-const FILMS_W_M2_K: [f64; 2] = [MIN_FILM_W_M2_K, 200.0];
+const FILMS_W_M2_K: RangeInclusive<f64> = MIN_FILM_W_M2_K..=200.0;
 
 /// Largest factor of wind.
 const MAX_WIND_FACTOR: f64 = 3.0;
@@ -47,7 +48,7 @@ pub struct ComfortChoice {
     #[field(metavar = "NAMES", delimiter = ',')]
     pub columns: Vec<ComfortColumn>,
     /// Limits of the UTCI, degrees Celsius: rows of days and longer count the hours above each.
-    #[field(metavar = "CELSIUS", delimiter = ',', default = "26,32,38,46")]
+    #[field(metavar = "CELSIUS", delimiter = ',', default = "26,32,38,46", range = -100.0..=100.0, says = "give degrees Celsius, as 26,32,38")]
     pub above_c: Vec<f64>,
     /// Posture of people.
     #[field(default = "standing")]
@@ -59,7 +60,7 @@ pub struct ComfortChoice {
     #[field(default = "sol-air")]
     pub surfaces: SurfaceTemperatures,
     /// Heat transfer coefficient between surfaces and air, radiation included, W/m2K.
-    #[field(name = "film", metavar = "W/M2K", default = ComfortChoice::default().film_w_m2_k)]
+    #[field(name = "film", metavar = "W/M2K", default = ComfortChoice::default().film_w_m2_k, range = FILMS_W_M2_K, says = "give 10 to 200 W/m2K, usually 10 in calm air and 25 in wind; it includes the radiation of surfaces")]
     pub film_w_m2_k: f64,
     /// Longwave emissivity of `ground` or `obstruction`; may be repeated [default: what their
     /// materials state, else ground=0.95, obstruction=0.9].
@@ -207,22 +208,7 @@ impl ComfortRequest {
     /// opened.
     pub fn check(&self, files: &OutputRequest, inputs: &[&Path]) -> Result<()> {
         self.stream().check()?;
-        let choice = &self.choice;
-        if !(FILMS_W_M2_K[0]..=FILMS_W_M2_K[1]).contains(&choice.film_w_m2_k) {
-            let what = format!("is {} W/m2K", choice.film_w_m2_k);
-            let hint = format!(
-                "give {} to {} W/m2K, usually 10 in calm air and 25 in wind; it includes the radiation of surfaces",
-                FILMS_W_M2_K[0], FILMS_W_M2_K[1]
-            );
-            return Err(Error::argument("film", what, hint));
-        }
-        if let Some(wrong) = choice.above_c.iter().find(|celsius| !(-100.0..=100.0).contains(*celsius)) {
-            return Err(Error::argument(
-                "above",
-                format!("{wrong} is not from -100 to 100 C"),
-                "give degrees Celsius, as 26,32,38",
-            ));
-        }
+        check_ranges(&self.choice)?;
         if files.model.is_some() || files.honeybee.is_some() {
             return Err(Error::argument(
                 "model, honeybee",

@@ -6,6 +6,7 @@
 //! surface. If the density is a spacing, no piece spans a neck between two parts of the surface.
 
 use serde::{Deserialize, Serialize};
+use std::ops::RangeInclusive;
 use std::path::Path;
 
 use glam::{DVec2, DVec3};
@@ -27,11 +28,14 @@ pub enum Density {
     PerSurface(u32),
 }
 
+/// Allowed distances between receivers and off surfaces, metres.
+pub const LENGTHS_M: RangeInclusive<f64> = 0.001..=10_000.0;
+
 /// Options of a density.
 #[derive(Default, Request)]
 struct DensityFields {
     /// Distance between receivers, such as 2m or 50cm.
-    #[field(metavar = "LENGTH", default = "2m", conflicts("per_surface"), parse = parse_metres)]
+    #[field(metavar = "LENGTH", default = "2m", conflicts("per_surface"), parse = parse_metres, range = LENGTHS_M, says = "give a length from 1mm to 10km")]
     spacing_m: Option<f64>,
     /// Number of receivers on each surface, in place of --spacing.
     #[field(metavar = "N", range = 1..=1_000_000)]
@@ -53,6 +57,14 @@ impl Request for Density {
         let stated = fields.per_surface.map(Density::PerSurface).or(fields.spacing_m.map(Density::Spacing));
         *self = stated.unwrap_or(*self);
         Ok(is_known)
+    }
+
+    fn in_range(&self) -> std::result::Result<(), heliotile_requests::Refused> {
+        let fields = match *self {
+            Density::PerSurface(count) => DensityFields { per_surface: Some(count), ..DensityFields::default() },
+            Density::Spacing(metres) => DensityFields { spacing_m: Some(metres), ..DensityFields::default() },
+        };
+        fields.in_range()
     }
 
     fn files(&self, _: &mut dyn FnMut(&'static str, Role, &Path)) {}

@@ -21,7 +21,7 @@ use ground::GroundSpot;
 use heliotile_builder::pipeline::PreparedScene;
 use heliotile_builder::planning::AccuracyRequest;
 use heliotile_builder::siting::Siting;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Result, check_ranges};
 use heliotile_core::observer::Observer;
 use heliotile_core::orientation::fan::OrientationLimits;
 use heliotile_core::replay::reflectances::Snow;
@@ -158,10 +158,7 @@ impl Default for PvRequest {
 impl PvRequest {
     /// Writes the folder; `about` is the provenance that results state.
     pub fn write(&self, about: Provenance, resources: &Resources) -> Result<PvDone> {
-        if !(0.0..=1.0).contains(&self.bifaciality) {
-            let what = format!("is {}, not from 0 to 1", self.bifaciality);
-            return Err(Error::argument("bifaciality", what, "give a share of the light on the rear, as in 0.8"));
-        }
+        check_ranges(self)?;
         run(self, about, resources)
     }
 }

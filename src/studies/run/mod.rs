@@ -28,7 +28,7 @@ pub use folder::folder_beside;
 use heliotile_builder::accuracy::conditions::ErrorConditions;
 use heliotile_builder::planning::{AccuracyRequest, EffectsUnder};
 use heliotile_core::archive::Archive;
-use heliotile_core::error::Result;
+use heliotile_core::error::{Result, check_ranges};
 use heliotile_core::weather::options::{StampedAt, WeatherOptions};
 use heliotile_remote::places::hold;
 use heliotile_scene::Scene;
@@ -167,6 +167,7 @@ impl RunRequest {
 
     /// Writes the folder; `about` is the provenance that results state.
     pub fn write(&self, about: Provenance, resources: &Resources) -> Result<RunDone> {
+        check_ranges(self)?;
         let site = self.scene.site()?;
         let files = RunFiles::new(self, &site);
         files.guard(&site, self)?;

@@ -12,7 +12,7 @@ use glam::DVec3;
 use super::days::DayPlan;
 use super::panes::{Pane, PaneList, ScenePanes};
 use heliotile_builder::siting::MirrorObserver;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Result, check_ranges};
 use heliotile_core::memory::Use;
 use heliotile_core::observer::Observer;
 use heliotile_core::site::north::North;
@@ -46,12 +46,12 @@ use heliotile_results::resources::Resources;
 pub struct GlareChoice {
     /// Least angle between the sun and its image in a mirror that counts, degrees; if a rule states
     /// one too, the larger one applies.
-    #[field(metavar = "DEGREES", default = 0.0)]
+    #[field(metavar = "DEGREES", default = 0.0, range = 0.0..=180.0)]
     pub least_deflection_deg: f64,
     /// Largest angle between the direction of view of a receiver, its normal, and an image of the
     /// sun in a mirror that counts, degrees: 30 for a driver; if a rule states one too, the smaller
     /// one applies.
-    #[field(metavar = "DEGREES", default = 90.0)]
+    #[field(metavar = "DEGREES", default = 90.0, range = 0.0..=90.0)]
     pub view_angle_deg: f64,
     /// Table to write with a row for each spell, a time of unbroken reflected sun: receiver, day,
     /// start, end, pane, irradiance, angles.
@@ -73,14 +73,7 @@ impl Default for GlareChoice {
 impl GlareChoice {
     /// Refuses angles out of range, and files that cannot hold such results.
     pub fn check(&self, inputs: &[&Path]) -> Result<()> {
-        for (field, number, most) in
-            [("least_deflection", self.least_deflection_deg, 180.0), ("view_angle", self.view_angle_deg, 90.0)]
-        {
-            if !(0.0..=most).contains(&number) {
-                let hint = format!("give a number from 0 to {most}");
-                return Err(Error::argument(field, format!("is {number}"), hint));
-            }
-        }
+        check_ranges(self)?;
         if let Some(path) = &self.spells {
             Format::by_ending(path)?;
         }

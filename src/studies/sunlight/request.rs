@@ -10,7 +10,7 @@ use super::days::{DayPlan, SunnyHours};
 use super::glare::GlareChoice;
 use super::places::{DateRows, RowSubject};
 use super::rule_files::read_rules;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Result, check_ranges};
 use heliotile_core::site::place::Place;
 use heliotile_core::text::{counted, message};
 use heliotile_core::weather::conditions::Stamp;
@@ -54,11 +54,11 @@ pub struct SunlightRequest {
     pub zone: Option<ClockZone>,
     /// Least altitude of the sun that counts, degrees; if a rule states one too, the higher one
     /// applies.
-    #[field(metavar = "DEGREES", default = 0.0)]
+    #[field(metavar = "DEGREES", default = 0.0, range = 0.0..=90.0)]
     pub least_altitude_deg: f64,
     /// Share of a row's area that must be lit for a moment to count, without --rule [default: any
     /// part of it].
-    #[field(metavar = "SHARE", default = 0.0)]
+    #[field(metavar = "SHARE", default = 0.0, range = 0.0..=1.0)]
     pub lit_share: f64,
     /// Glare, in place of the sun itself.
     #[field(skip)]
@@ -155,19 +155,10 @@ impl SunlightRequest {
     /// Refuses numbers out of range, choices that exclude each other, unknown rules, and files that
     /// cannot hold such results, before an archive is opened.
     pub fn check(&self, files: &OutputRequest, inputs: &[&Path]) -> Result<()> {
+        check_ranges(self)?;
         if self.dates.is_empty() && self.rules.is_empty() {
             let hint = "give {dates} 03-21, or {rule} with a name such as tno-light";
             return Err(Error::argument("dates, rule", "neither dates nor a rule is given", hint));
-        }
-        for (field, number, most) in
-            [("least_altitude", self.least_altitude_deg, 90.0), ("lit_share", self.lit_share, 1.0)]
-        {
-            if !(0.0..=most).contains(&number) {
-                return Err(Error::argument(field, format!("is {number}"), format!("give a number from 0 to {most}")));
-            }
-        }
-        if !(1..2999).contains(&self.year) {
-            return Err(Error::argument("year", format!("is {}", self.year), "give a year from 1 to 2998"));
         }
         if self.every == Every::Hour {
             return Err(Error::argument(

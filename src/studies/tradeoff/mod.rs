@@ -15,7 +15,7 @@ use heliotile_builder::accuracy::trial::Bench;
 use heliotile_builder::accuracy::{CONDITIONS, sample};
 use heliotile_builder::pipeline::{Build, PreparedScene, read_receivers};
 use heliotile_builder::settings::{BuildSettings, EffectChoice};
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Result, check_ranges};
 use heliotile_core::observer::Observer;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::weather::options::WeatherOptions;
@@ -102,18 +102,6 @@ impl Default for TradeoffRequest {
 }
 
 impl TradeoffRequest {
-    /// Allowed numbers of receivers that settings are tried on.
-    pub const SAMPLES: std::ops::RangeInclusive<i64> = 1..=4096;
-
-    /// Refuses a sample out of range, before any file is read.
-    pub fn check(&self) -> Result<()> {
-        if Self::SAMPLES.contains(&self.sample.into()) {
-            return Ok(());
-        }
-        let hint = format!("give a number from {} to {}", Self::SAMPLES.start(), Self::SAMPLES.end());
-        Err(Error::argument("sample", format!("is {}", self.sample), hint))
-    }
-
     /// Tries the settings and writes the folder; `about` is the provenance that files state. Each
     /// table is passed to `tell` as soon as it is known.
     pub fn write(
@@ -122,7 +110,7 @@ impl TradeoffRequest {
         resources: &Resources,
         tell: impl Fn(&str) -> Result<()>,
     ) -> Result<TradeoffDone> {
-        self.check()?;
+        check_ranges(self)?;
         let (observer, folder, memory) = (resources.observer, &self.folder, resources.memory);
         let scene = Scene::load_site(&self.scene.site()?)?;
         scene.report.tell(observer);

@@ -16,7 +16,7 @@ use heliotile_builder::planning::{check_preview, tables};
 use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_builder::settings::BuildSettings;
 use heliotile_core::archive::{Access, Archive};
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Result, check_ranges};
 use heliotile_core::memory::Use;
 use heliotile_core::observer::Observer;
 use heliotile_core::opened::SiteSettings;
@@ -105,7 +105,7 @@ impl UpdateRequest {
             return Err(Error::argument("add", "no edit is given", hint));
         }
         let added = if self.add.files.is_empty() { SceneFiles::default() } else { self.added_site()? };
-        self.cover.check()?;
+        check_ranges(&self.cover)?;
         check_preview(self.preview_percent)?;
         check_archive_name(&self.output)?;
         guard_site(&self.output, &added, &[Some(&self.before), self.add.materials.as_deref()])?;

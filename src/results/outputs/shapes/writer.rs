@@ -178,7 +178,7 @@ impl<'a> MapWriter<'a> {
         Ok(MapWriter { request, shapes, columns, stated, rows, series })
     }
 
-    /// Appends some places, as [`crate::outputs::row_maker::RowMaker::write_tile`] does.
+    /// Appends some places, as [`crate::outputs::row_maker::RowMaker::write`] does.
     pub fn write_tile(&mut self, names: &[String], values: &PlaceValues, extents: &[GroupGeometry]) -> Result<()> {
         for (i, name) in names.iter().enumerate() {
             let (common, extent, polygons) = match &mut self.shapes {

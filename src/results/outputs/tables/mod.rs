@@ -1,7 +1,7 @@
 //! Tables, all of the program's: one model of columns and rows, one writer a format.
 //!
 //! In: columns ([`mod@column`]), then batches of their values ([`batch`]), or rows one by one
-//! ([`rows`]). Out: a file in the format of its name's ending ([`mod@format`]), complete or not
+//! ([`table`]). Out: a file in the format of its name's ending ([`mod@format`]), complete or not
 //! there at all, or CSV on standard output. Never: the meaning of values.
 //!
 //! A new format needs a file with a [`format::FormatWriter`] and its lines in `format.rs`; every

@@ -5,7 +5,6 @@
 mod report;
 mod texts;
 
-use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -15,7 +14,7 @@ use heliotile_builder::accuracy::conditions::ErrorConditions;
 use heliotile_builder::pipeline::PreparedScene;
 use heliotile_builder::reference::{AuditInputs, audit};
 use heliotile_core::archive::Access;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Result, check_ranges};
 use heliotile_core::site::place::Place;
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::conditions::{Condition, parse_conditions};
@@ -105,21 +104,10 @@ impl Default for AuditRequest {
 }
 
 impl AuditRequest {
-    /// Allowed numbers of paths of the reference path tracer.
-    pub const PATHS: RangeInclusive<i64> = 16..=1 << 24;
-
     /// Refuses numbers that are out of range and choices that exclude each other, before any file
     /// is read.
     pub fn check(&self) -> Result<()> {
-        if !Self::PATHS.contains(&self.paths.into()) {
-            let hint = format!("give a number from {} to {}", Self::PATHS.start(), Self::PATHS.end());
-            return Err(Error::argument("paths", format!("is {}", self.paths), hint));
-        }
-        for (name, number) in [("samples", self.samples), ("hours", self.hours)] {
-            if number == Some(0) {
-                return Err(Error::argument(name, "is 0", "give a number from 1, or leave it out"));
-            }
-        }
+        check_ranges(self)?;
         if self.seconds.is_some_and(|seconds| !is_time(seconds)) {
             return Err(Error::argument("seconds", "is not a time", "give a number of seconds above 0"));
         }
