@@ -3,10 +3,10 @@
 use std::io::{Cursor, Read};
 use std::path::Path;
 
-use super::budget::most;
 use heliotile_core::error::{Error, Result};
 use zip::{CompressionMethod, ZipArchive};
 
+use super::budget::most;
 use crate::text::excerpt;
 
 pub(super) const MAGIC: &[u8] = b"PK\x03\x04";

@@ -187,7 +187,7 @@ impl<'a, F: Copy> Walk<'a, F> {
     }
 }
 
-/// Does the work of [`inverse`] in lanes.
+/// Does the work of `ray::inverse` in lanes.
 #[inline(always)]
 fn inverses<L: Lanes>(l: L, d: L::F) -> L::F {
     let tiny = l.less(l.abs(d), l.splat(1e-20));
