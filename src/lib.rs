@@ -203,7 +203,8 @@ pub mod scene {
 /// Tables of results.
 pub mod tables {
     pub use heliotile_results::outputs::tables;
-    pub use heliotile_results::outputs::tables::records::{Cell, Records};
+    pub use heliotile_results::outputs::tables::records::Records;
+    pub use heliotile_results::outputs::tables::table::Cell;
     pub use heliotile_results::{ArrowRows, Layout, ONE_SIDE, open_after};
     pub use heliotile_studies::is_time;
 }
@@ -222,7 +223,7 @@ pub mod tracing {
     pub use heliotile_builder::trace::Tracer;
     pub use heliotile_builder::trace::canopy::in_hulls;
     pub use heliotile_builder::trace::placement::Placement;
-    pub use heliotile_builder::trace::receiver::Viewpoint;
+    pub use heliotile_builder::trace::viewpoint::Viewpoint;
 }
 
 /// Weather: sums, distance from a site.

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use heliotile_builder::trace::Tracer;
 use heliotile_builder::trace::canopy::Canopies;
 use heliotile_builder::trace::placement::{Placement, placement_of};
-use heliotile_builder::trace::receiver::Viewpoint;
+use heliotile_builder::trace::viewpoint::Viewpoint;
 use heliotile_core::error::{Error, Problem, Result, check_ranges};
 use heliotile_core::observer::{Observer, Stage};
 use heliotile_core::site::material::Material;

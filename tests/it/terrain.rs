@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use glam::DVec3;
-use heliotile_builder::trace::kernel::rays::{Ray, Tracer};
+use heliotile_builder::trace::{Ray, Tracer};
 use heliotile_scene::Scene;
 
 const COLUMNS: usize = 156;

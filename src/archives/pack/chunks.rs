@@ -1,7 +1,7 @@
 //! Chunks of one kind of cells for an archive, and the index that finds them. In: sorted cells.
 //! Out: blocks.
 
-use crate::pack::{COMPRESSION, extra};
+use crate::pack::tile::{COMPRESSION, extra};
 use crate::writing::Writer;
 use heliotile_core::archive::format::{CellKind, TileNumber};
 use heliotile_core::archive::settings::Settings;

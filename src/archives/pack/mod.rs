@@ -10,8 +10,4 @@ mod tile;
 pub use chunks::Chunks;
 pub use name_index::NameIndexWriter;
 pub use overview::{OverviewRow, overview};
-use tile::extra;
-pub use tile::{hits, responses, tile};
-
-/// Level of the block compressor, high because textures are written once and read for years.
-pub const COMPRESSION: i32 = heliotile_core::archive::codec::pack::DEFAULT_LEVEL;
+pub use tile::{COMPRESSION, hits, responses, tile};

@@ -1,6 +1,5 @@
 //! Blocks of one tile of receivers. In: tables and layers of a tile. Out: encoded blocks.
 
-use crate::pack::COMPRESSION;
 use heliotile_core::archive::format::{BlockKind, TileNumber};
 use heliotile_core::archive::{EncodedBlock, encode, format, tables};
 use heliotile_core::error::{Error, Result};
@@ -10,6 +9,9 @@ use heliotile_core::layers::hit::HitTile;
 use heliotile_core::layers::response;
 use heliotile_core::layers::response::Response;
 use heliotile_core::layers::sky::SkyTexture;
+
+/// Level of the block compressor, high because textures are written once and read for years.
+pub const COMPRESSION: i32 = heliotile_core::archive::codec::pack::DEFAULT_LEVEL;
 
 /// Encodes the blocks of a tile that are known before its cells, in the order of writing.
 pub fn tile(

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
-use super::ExportRequest;
+use super::request::ExportRequest;
 use crate::sources::holding;
 use heliotile_archives::Workspace;
 use heliotile_archives::transfer::Selection;

@@ -7,7 +7,7 @@
 //! error of the finest trial from the next coarser one, then the errors of all others. Rungs that
 //! were not tried get errors in proportion to typical ones.
 
-use crate::accuracy::reference_sample::SourcesFound;
+use crate::accuracy::reference_sample::{SourcesFound, percent};
 use crate::accuracy::trial::{ErrorSource, Irradiances, Trial};
 use crate::settings::ladder::{BOUNCED_RUNGS, PATCH_RUNGS, Rungs, SEEN_RUNGS, SKY_RUNGS};
 
@@ -205,11 +205,6 @@ pub fn patch_errors(lights: &[Irradiances; PATCH_RUNGS]) -> [f64; PATCH_RUNGS] {
     // Four times as many patches are a quarter as large, and the error falls about as fast.
     errors[PATCH_RUNGS - 1] = errors[PATCH_RUNGS - 2] / 4.0;
     errors
-}
-
-/// Returns a difference in percent of a mean; 0 if the mean is 0.
-pub fn percent(difference: f64, mean: f64) -> f64 {
-    if mean > 0.0 { difference / mean * 100.0 } else { 0.0 }
 }
 
 #[cfg(test)]

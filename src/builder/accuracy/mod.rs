@@ -21,8 +21,8 @@ use std::time::Instant;
 
 use crate::pipeline::Build;
 use crate::receiver_tiles::ReceiverTiles;
-use crate::settings::ladder::{self, BOUNCED_RUNGS, SEEN_RUNGS, SKY_RUNGS};
-use crate::settings::{BuildSettings, Effects, Rungs};
+use crate::settings::ladder::{BOUNCED_RUNGS, SEEN_RUNGS, SKY_RUNGS};
+use crate::settings::{BuildSettings, Effects, Rungs, patches};
 use conditions::ErrorConditions;
 use estimate::{Errors, patch_errors, rung};
 use heliotile_archives::Workspace;
@@ -149,7 +149,7 @@ pub fn choose(build: &mut Build, wish: &PilotRequest) -> Result<SettingsChoice> 
     let mut trials = vec![try_out(0, first[0])?];
     let (mut finest, mut truth) = try_out(0, first[1])?;
     let archive = &truth.archive;
-    let [fewest, _, most] = ladder::patches();
+    let [fewest, _, most] = patches();
     let lights = [bench(0).light(archive, fewest)?, truth.light.clone(), bench(0).light(archive, most)?];
     let patches = patch_errors(&lights);
     let mut errors = Errors::new(&trials, finest, &truth, patches);

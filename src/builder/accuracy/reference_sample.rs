@@ -3,7 +3,6 @@
 
 use rayon::prelude::*;
 
-use crate::accuracy::estimate::percent;
 use crate::accuracy::trial::{Bench, ErrorSource, Irradiances};
 use crate::reference::comparison::{Pair, SunErrors, deviation, mean_w_m2, rmse_known};
 use crate::reference::groups::by_sky_view;
@@ -245,6 +244,11 @@ fn tiles(pairs: &[Pair], suns: &[SunErrors], tile: impl Fn(usize) -> u32) -> Vec
         rmse_w_m2: std::array::from_fn(|part| rounded(deviation(pairs, suns, part).rmse_w_m2.value)),
     };
     pairs.chunk_by(|a, b| tile(a.receiver) == tile(b.receiver)).map(of_tile).collect()
+}
+
+/// Returns a difference in percent of a mean; 0 if the mean is 0.
+pub fn percent(difference: f64, mean: f64) -> f64 {
+    if mean > 0.0 { difference / mean * 100.0 } else { 0.0 }
 }
 
 /// Rounds to four digits, which are more than an estimate has.

@@ -14,7 +14,7 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use crate::accuracy::conditions::{ErrorConditions, is_lit};
-use crate::accuracy::estimate::percent;
+use crate::accuracy::reference_sample::percent;
 use crate::accuracy::sample;
 use crate::pipeline::Build;
 use crate::reference::groups::by_sky_view;

@@ -9,9 +9,9 @@ use rayon::prelude::*;
 use super::comparison::{Pair, SunErrors};
 use super::estimate::{PARTS, ReferenceLight};
 use super::hours::HourSample;
-use super::random::Random;
+use super::random::{Random, spread};
 use super::sky::ReferenceSky;
-use super::walk::PathTracer;
+use super::tracer::PathTracer;
 use crate::pipeline::PreparedScene;
 use crate::settings::Effects;
 use heliotile_core::archive::{Archive, format};
@@ -182,15 +182,6 @@ pub fn reference_pairs(
         let found = irradiance(number, &under);
         pairs.iter_mut().zip(found).for_each(|(pair, reference)| pair.reference = reference);
     });
-}
-
-/// Returns `count` numbers below `limit`, one at random from each of as many equal parts; all
-/// numbers if there are fewer.
-pub fn spread(limit: usize, count: usize, seed: u64) -> Vec<usize> {
-    let count = count.min(limit);
-    let mut random = Random::new(mix(seed, 0));
-    let number = |i: usize| ((i as f64 + random.next()) * limit as f64 / count as f64) as usize;
-    (0..count).map(number).map(|number| number.min(limit - 1)).collect()
 }
 
 /// Shuffles numbers (Fisher and Yates 1938, as by Durstenfeld 1964).

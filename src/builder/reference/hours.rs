@@ -7,9 +7,9 @@
 
 use std::collections::BTreeMap;
 
-use super::audit::spread;
 use super::comparison::{Known, Pair, deviation, mean_w_m2, rmse_known};
 use super::estimate::PARTS;
+use super::random::spread;
 use crate::settings::Effect;
 use heliotile_core::archive::accuracy::HoursMix;
 use heliotile_core::replay::components::Component;

@@ -18,12 +18,14 @@ pub mod hours;
 mod random;
 mod sky;
 mod sun;
+mod tracer;
 mod walk;
 
-pub use audit::{AuditInputs, Audited, audit, reference_pairs, spread};
+pub use audit::{AuditInputs, Audited, audit, reference_pairs};
 pub use estimate::{BATCHES, PARTS, ReferenceLight};
+pub use random::spread;
 pub use sky::ReferenceSky;
-pub use walk::PathTracer;
+pub use tracer::PathTracer;
 
 #[cfg(test)]
 mod tests;

@@ -1,4 +1,5 @@
-//! Random numbers of paths. In: a seed. Out: numbers in [0, 1).
+//! Random numbers of paths and samples. In: a seed. Out: numbers in [0, 1), numbers spread below a
+//! limit.
 
 use heliotile_core::hemisphere::{mix, unit};
 
@@ -37,4 +38,13 @@ pub(super) fn even(i: usize, shift: &[f64; EVEN]) -> [f64; EVEN] {
         step /= ROOT;
         (shift + i as f64 * step).fract()
     })
+}
+
+/// Returns `count` numbers below `limit`, one at random from each of as many equal parts; all
+/// numbers if there are fewer.
+pub fn spread(limit: usize, count: usize, seed: u64) -> Vec<usize> {
+    let count = count.min(limit);
+    let mut random = Random::new(mix(seed, 0));
+    let number = |i: usize| ((i as f64 + random.next()) * limit as f64 / count as f64) as usize;
+    (0..count).map(number).map(|number| number.min(limit - 1)).collect()
 }

@@ -1,4 +1,4 @@
-//! The accuracy ladder. In: a rung for each source of error. Out: settings.
+//! The accuracy ladder. In: a rung for each source of error. Out: the rung of a quality in each.
 //!
 //! Errors are independent of each other, so each source has a ladder of its own: the receivers' sky
 //! textures (sun and sky seen directly or in mirrors), the cells that receivers see (one
@@ -9,9 +9,7 @@
 
 use heliotile_core::archive::settings::{Ladder, SETTINGS};
 
-use super::effects::Effects;
 use super::quality::Quality;
-use super::values::BuildSettings;
 
 /// Returns the number of rungs of a ladder.
 pub const fn rungs_of(ladder: Ladder) -> usize {
@@ -33,11 +31,6 @@ pub const SEEN_RUNGS: usize = rungs_of(Ladder::Seen);
 pub const BOUNCED_RUNGS: usize = rungs_of(Ladder::Bounced);
 /// Number of rungs of the ladder of the sky patches.
 pub const PATCH_RUNGS: usize = rungs_of(Ladder::Patches);
-
-/// Returns the number of sky patches of each rung.
-pub fn patches() -> [usize; PATCH_RUNGS] {
-    std::array::from_fn(|patches| Rungs { patches, ..Rungs::FINEST }.settings().patches)
-}
 
 /// One rung of each ladder, counted from 0, the coarsest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -84,40 +77,5 @@ impl Rungs {
             && self.seen <= other.seen
             && self.bounced <= other.bounced
             && self.patches <= other.patches
-    }
-
-    /// Returns the settings of the rungs, which share probes and leave nothing out.
-    pub fn settings(self) -> BuildSettings {
-        BuildSettings::of_rungs(self)
-    }
-}
-
-/// Returns the quality with these settings, whatever they leave out.
-pub fn quality_of(settings: &BuildSettings) -> Option<Quality> {
-    let traced = BuildSettings { left_out: Effects::NONE, ..*settings };
-    Quality::ALL.into_iter().find(|quality| Rungs::new(*quality).settings() == traced)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// All 4 named rungs are in range, are recognised from their settings, and are finer than the
-    /// one before in every ladder. Settings with 1 changed number are no named rung.
-    #[test]
-    fn each_rung_is_finer_than_the_one_before() {
-        for quality in Quality::ALL {
-            let settings = Rungs::new(quality).settings();
-            settings.check().expect("in range");
-            assert_eq!(quality_of(&settings), Some(quality));
-            assert_eq!(quality_of(&BuildSettings { probe_hits: 15, ..settings }), None);
-        }
-        for pair in Quality::ALL.windows(2) {
-            let [coarse, fine] = [pair[0], pair[1]].map(Rungs::new);
-            assert!(coarse.sky < fine.sky && coarse.seen < fine.seen && coarse.bounced < fine.bounced);
-            assert!(coarse.patches <= fine.patches);
-        }
-        Rungs::FINEST.settings().check().expect("the finest");
-        Rungs { sky: 0, seen: 0, bounced: 5, patches: 0 }.settings().check().expect("a coarse probe, fine bounces");
     }
 }

@@ -10,4 +10,4 @@ mod values;
 pub use effects::{Effect, EffectChoice, Effects};
 pub use ladder::Rungs;
 pub use quality::Quality;
-pub use values::{BuildSettings, Share};
+pub use values::{BuildSettings, Share, patches};

@@ -8,7 +8,7 @@ use heliotile_core::named::NamedValues;
 use heliotile_core::text::Message;
 
 use super::effects::Effects;
-use super::ladder::{Rungs, quality_of};
+use super::ladder::{PATCH_RUNGS, Rungs};
 use super::quality::Quality;
 
 /// Sharing of probes among receivers.
@@ -125,6 +125,24 @@ impl Default for BuildSettings {
     }
 }
 
+impl Rungs {
+    /// Returns the settings of the rungs, which share probes and leave nothing out.
+    pub fn settings(self) -> BuildSettings {
+        BuildSettings::of_rungs(self)
+    }
+}
+
+/// Returns the number of sky patches of each rung.
+pub fn patches() -> [usize; PATCH_RUNGS] {
+    std::array::from_fn(|patches| Rungs { patches, ..Rungs::FINEST }.settings().patches)
+}
+
+/// Returns the quality with these settings, whatever they leave out.
+fn quality_of(settings: &BuildSettings) -> Option<Quality> {
+    let traced = BuildSettings { left_out: Effects::NONE, ..*settings };
+    Quality::ALL.into_iter().find(|quality| Rungs::new(*quality).settings() == traced)
+}
+
 /// Returns the error for a wrong value of a setting.
 fn wrong(what: String, hint: impl Into<Message>) -> Error {
     Error::argument("set", what, hint)
@@ -194,6 +212,25 @@ heliotile_core::parse_by_name!(Share);
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// All 4 named rungs are in range, are recognised from their settings, and are finer than the
+    /// one before in every ladder. Settings with 1 changed number are no named rung.
+    #[test]
+    fn each_rung_is_finer_than_the_one_before() {
+        for quality in Quality::ALL {
+            let settings = Rungs::new(quality).settings();
+            settings.check().expect("in range");
+            assert_eq!(quality_of(&settings), Some(quality));
+            assert_eq!(quality_of(&BuildSettings { probe_hits: 15, ..settings }), None);
+        }
+        for pair in Quality::ALL.windows(2) {
+            let [coarse, fine] = [pair[0], pair[1]].map(Rungs::new);
+            assert!(coarse.sky < fine.sky && coarse.seen < fine.seen && coarse.bounced < fine.bounced);
+            assert!(coarse.patches <= fine.patches);
+        }
+        Rungs::FINEST.settings().check().expect("the finest");
+        Rungs { sky: 0, seen: 0, bounced: 5, patches: 0 }.settings().check().expect("a coarse probe, fine bounces");
+    }
 
     /// Settings of another tracing version have another hash: 2 hashes of 2 versions, 1 hash of
     /// equal settings.

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::pipeline::PreparedScene;
 use crate::trace::mirror::{Look, Reflections};
-use crate::trace::receiver::Viewpoint;
+use crate::trace::viewpoint::Viewpoint;
 use crate::trace::{Ray, Tracer};
 use heliotile_core::site::chain::{Chain, MirrorPlane};
 

@@ -4,7 +4,7 @@
 use glam::DVec3;
 
 use super::Siting;
-use crate::trace::receiver::Viewpoint;
+use crate::trace::viewpoint::Viewpoint;
 use crate::trace::{Ray, Tracer};
 
 /// Receiver in a scene.

@@ -11,10 +11,11 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 
 use crate::trace::hidden::side_met;
-use crate::trace::kernel::rays::{FaceSide, Hit, Ray, Tracer};
+use crate::trace::kernel::ray::{Hit, Ray};
+use crate::trace::kernel::rays::{FaceSide, Tracer};
 use crate::trace::probe::{Directions, ProbeTrace};
-use crate::trace::receiver::Viewpoint;
 use crate::trace::surroundings::{SeenCell, seen_from};
+use crate::trace::viewpoint::Viewpoint;
 use heliotile_core::hemisphere::{bit, jitter, mix, texel_direction, unit};
 use heliotile_core::layers::canopy::SeenLeaf;
 use heliotile_core::light::radiosity::{SidesOf, Surround, each_ray};

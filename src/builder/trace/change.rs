@@ -4,7 +4,8 @@
 use glam::DVec3;
 
 use crate::trace::kernel::fan::Cone;
-use crate::trace::kernel::rays::{Hit, Ray, Tracer};
+use crate::trace::kernel::ray::{Hit, Ray};
+use crate::trace::kernel::rays::Tracer;
 use heliotile_core::layers::texel_block::Answers;
 use heliotile_core::site::cells::{CellKey, GRID_SHIFT_M, size_of};
 use heliotile_core::site::grid::Grid;

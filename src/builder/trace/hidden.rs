@@ -12,7 +12,8 @@
 use glam::{DVec3, Vec3};
 
 use super::change::Change;
-use super::kernel::rays::{FaceSide, Hit, Ray, Tracer};
+use super::kernel::rays::{FaceSide, Tracer};
+use crate::trace::kernel::ray::{Hit, Ray};
 use heliotile_core::hemisphere::{Frame, cosine_direction_of, jitter, mix};
 use heliotile_scene::mesh::Mesh;
 

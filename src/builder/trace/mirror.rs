@@ -10,10 +10,11 @@ use std::collections::BTreeMap;
 
 use glam::{DMat3, DVec3};
 
-use crate::trace::kernel::rays::{Hit, Ray, Tracer};
+use crate::trace::kernel::ray::{Hit, Ray};
+use crate::trace::kernel::rays::Tracer;
 use crate::trace::probe::lifted;
-use crate::trace::receiver::Viewpoint;
-use crate::trace::surroundings::cell_of;
+use crate::trace::surface::cell_of;
+use crate::trace::viewpoint::Viewpoint;
 use heliotile_core::hemisphere::{Frame, HEMISPHERE_SR, jitter, mix, texel_direction, texel_of, texels_in_blocks};
 use heliotile_core::layers::bits::BitSquare;
 use heliotile_core::site::cells::CellKey;

@@ -17,5 +17,7 @@ pub(crate) mod surface;
 pub(crate) mod surroundings;
 #[cfg(test)]
 mod test_scenes;
+pub mod viewpoint;
 
-pub use kernel::rays::{Ray, Tracer};
+pub use crate::trace::kernel::ray::Ray;
+pub use kernel::rays::Tracer;

@@ -4,8 +4,9 @@
 use glam::DVec3;
 
 use crate::trace::hidden::{is_reached, meets_inside};
-use crate::trace::kernel::rays::{Ray, Tracer};
-use crate::trace::receiver::Viewpoint;
+use crate::trace::kernel::ray::Ray;
+use crate::trace::kernel::rays::Tracer;
+use crate::trace::viewpoint::Viewpoint;
 use heliotile_scene::mesh::Mesh;
 
 /// Placement of a receiver on a surface.

@@ -16,7 +16,8 @@ use std::cell::RefCell;
 use glam::{DVec2, DVec3};
 
 use crate::trace::hidden::{LOOKS, Verdict, hidden};
-use crate::trace::kernel::rays::{Ray, Tracer};
+use crate::trace::kernel::ray::Ray;
+use crate::trace::kernel::rays::Tracer;
 use crate::trace::refinement::Refinement;
 use crate::trace::surface::{CellSurfaces, POINTS, SurfacePoint, sample};
 use heliotile_core::hemisphere::{

@@ -16,8 +16,9 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 
 use super::change::{Change, FLAT};
-use super::kernel::rays::{Ray, Tracer};
-use super::receiver::Viewpoint;
+use super::kernel::rays::Tracer;
+use super::viewpoint::Viewpoint;
+use crate::trace::kernel::ray::Ray;
 use heliotile_core::hemisphere::{Frame, mix, unit};
 
 /// Margin for the rounding of coordinates, metres.

@@ -7,17 +7,18 @@ use glam::DVec3;
 
 use crate::trace::change::{ChangeInView, KnownSky};
 use crate::trace::hidden::meets_inside;
-use crate::trace::kernel::rays::{Ray, Tracer};
+use crate::trace::kernel::ray::Ray;
+use crate::trace::kernel::rays::Tracer;
 use crate::trace::kernel::scan::{Question, ScanSpace};
 use crate::trace::mirror::{MirrorRay, Reflections};
-use crate::trace::probe::lifted;
 use crate::trace::sky_fans::{Part, SkyFans};
-use crate::trace::surroundings::cell_of;
+use crate::trace::surface::cell_of;
+use crate::trace::viewpoint::Viewpoint;
 use heliotile_core::hemisphere::{Frame, jitter, texel_direction, texels_in_blocks};
 use heliotile_core::layers::bits::BitSquare;
 use heliotile_core::layers::sky::SkyTexture;
 use heliotile_core::layers::texel_block::TexelBlock;
-use heliotile_core::site::cells::{CellKey, level_of, receiver_seed};
+use heliotile_core::site::cells::{CellKey, level_of};
 use heliotile_scene::mesh::Mesh;
 
 /// Sizes of the cells that hits are gathered into.
@@ -71,26 +72,7 @@ thread_local! {
     static SPACE: RefCell<Box<ScanSpace>> = RefCell::default();
 }
 
-/// Position and normal of a receiver.
-#[derive(Clone, Copy, Debug)]
-pub struct Viewpoint {
-    /// Position in input coordinates, metres.
-    pub position: DVec3,
-    /// Unit normal.
-    pub normal: DVec3,
-}
-
 impl Viewpoint {
-    /// Returns the origin of the rays, relative to the origin of the scene.
-    pub(crate) fn origin(&self, tracer: &Tracer) -> [f32; 3] {
-        lifted(self.position, self.normal, tracer)
-    }
-
-    /// Returns the seed of the jitter of this viewpoint's hit rays.
-    pub fn seed(&self) -> u64 {
-        receiver_seed(self.position, self.normal)
-    }
-
     /// Traces the sky. Texels whose centre lies behind the surface are traced along the surface.
     pub fn sky(&self, fans: &SkyFans, tracer: &Tracer) -> SkyTrace {
         self.sky_after(fans, tracer, None)

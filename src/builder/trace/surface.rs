@@ -1,5 +1,5 @@
 //! Points on the surface of a cell. In: a cell key and the scene. Out: up to 16 points spread
-//! evenly over the surfaces that the key names, with their normals.
+//! evenly over the surfaces that the key names, with their normals; the key of a hit.
 //!
 //! The points depend on the surface only, not on how it is cut into triangles. Lines parallel to
 //! the axis that the cell faces go through the bounding box of the clipped surface, and the first
@@ -10,6 +10,7 @@
 
 use glam::{DVec2, DVec3};
 
+use crate::trace::kernel::ray::Hit;
 use crate::trace::kernel::rays::Tracer;
 use heliotile_core::hemisphere::{mix, r2, unit};
 use heliotile_core::site::cells::{CellKey, GRID_SHIFT_M, size_of};
@@ -215,4 +216,14 @@ fn barycentric(corners: [DVec2; 3], p: DVec2) -> Option<[f64; 3]> {
     let sum = w[0] + w[1] + w[2];
     let inside = w.iter().all(|&x| x >= 0.0) || w.iter().all(|&x| x <= 0.0);
     (inside && sum != 0.0).then(|| w.map(|x| x / sum))
+}
+
+/// Returns the cell of a hit of a ray from `origin`, on the side that the ray comes from.
+pub fn cell_of(hit: Hit, direction: DVec3, level: i8, mesh: &Mesh, origin: DVec3) -> CellKey {
+    let triangle = hit.triangle as usize;
+    let outward = mesh.normal(triangle);
+    let back = outward.dot(direction) > 0.0;
+    // The first sum is exact, and the second is in input coordinates, so it is equal in all scenes.
+    let point = mesh.grid().absolute(origin) + direction * f64::from(hit.t);
+    CellKey::new(point, outward, back, mesh.triangle_material[triangle], level)
 }

@@ -8,15 +8,14 @@
 use glam::{DVec2, DVec3};
 
 use crate::trace::change::ChangeInView;
-use crate::trace::kernel::rays::{Hit, Ray};
+use crate::trace::kernel::ray::Ray;
 use crate::trace::mirror::{MirrorRay, Reflections};
 use crate::trace::probe::{Directions, ProbeTrace, pick};
-use crate::trace::surface::{CellSurfaces, SurfacePoint};
+use crate::trace::surface::{CellSurfaces, SurfacePoint, cell_of};
 use heliotile_core::hemisphere::{Frame, bit, cosine_direction_of, mix, r2, unit};
 use heliotile_core::layers::cells::{DOWN, MISS};
 use heliotile_core::light::radiosity::SidesOf;
 use heliotile_core::site::cells::{CellKey, level_of};
-use heliotile_scene::mesh::Mesh;
 
 /// Cell that one ray hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -257,14 +256,4 @@ fn split(count: usize, above: f64, below: f64) -> (usize, usize) {
             (up, count - up)
         }
     }
-}
-
-/// Returns the cell of a hit of a ray from `origin`, on the side that the ray comes from.
-pub fn cell_of(hit: Hit, direction: DVec3, level: i8, mesh: &Mesh, origin: DVec3) -> CellKey {
-    let triangle = hit.triangle as usize;
-    let outward = mesh.normal(triangle);
-    let back = outward.dot(direction) > 0.0;
-    // The first sum is exact, and the second is in input coordinates, so it is equal in all scenes.
-    let point = mesh.grid().absolute(origin) + direction * f64::from(hit.t);
-    CellKey::new(point, outward, back, mesh.triangle_material[triangle], level)
 }

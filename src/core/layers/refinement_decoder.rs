@@ -8,7 +8,7 @@
 use pulp::Arch;
 
 use crate::layers::bits::{BitSquare, spread};
-use crate::layers::sky::{planes, sides};
+use crate::layers::sky::{decode, planes, sides};
 use crate::layers::sky_bitmap::SkyBitmap;
 
 /// Largest side of a square: the flags of a row's words fit into one word.
@@ -51,6 +51,17 @@ pub fn decode_refined<'a>(raw: &'a [u8], count: usize, base: usize, fine: usize)
     };
     let found = textures.into_iter().map(finish).collect::<Option<Vec<SkyBitmap>>>()?;
     rest.is_empty().then_some(found)
+}
+
+impl SkyBitmap {
+    /// Unpacks the bitmaps of a raw `sky` block. Returns `None` if the bytes do not describe
+    /// `count` textures exactly.
+    pub fn unpack(raw: &[u8], count: usize, base: usize, fine: usize) -> Option<Vec<SkyBitmap>> {
+        if is_refined(base, fine) {
+            return decode_refined(raw, count, base, fine);
+        }
+        decode(raw, count, base, fine, |texture| SkyBitmap::new(&texture.dense(), base))
+    }
 }
 
 /// Texture that is being decoded, level by level.

@@ -3,8 +3,6 @@
 //! whole square takes 128.
 
 use crate::layers::bits::BitSquare;
-use crate::layers::refinement_decoder::{decode_refined, is_refined};
-use crate::layers::sky::decode;
 
 /// Decoded sky texture of one receiver.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -54,15 +52,6 @@ pub struct BaseTexel {
 }
 
 impl SkyBitmap {
-    /// Unpacks the bitmaps of a raw `sky` block. Returns `None` if the bytes do not describe
-    /// `count` textures exactly.
-    pub fn unpack(raw: &[u8], count: usize, base: usize, fine: usize) -> Option<Vec<SkyBitmap>> {
-        if is_refined(base, fine) {
-            return decode_refined(raw, count, base, fine);
-        }
-        decode(raw, count, base, fine, |texture| SkyBitmap::new(&texture.dense(), base))
-    }
-
     /// Makes the bitmap of a square of fine bits; `base` divides its side.
     pub fn new(dense: &BitSquare, base: usize) -> SkyBitmap {
         let block = dense.side() / base;

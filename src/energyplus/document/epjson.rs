@@ -10,7 +10,7 @@ use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 use serde_json::value::RawValue;
 use serde_json::{Map, Value};
 
-use super::{ModelField, ModelObject};
+use super::object::{ModelField, ModelObject};
 use crate::new_object::{FieldValue, NewObject};
 use heliotile_core::error::{Error, Result};
 

@@ -4,7 +4,7 @@
 use std::ops::Range;
 use std::path::Path;
 
-use super::{ModelField, ModelObject};
+use super::object::{ModelField, ModelObject};
 use crate::new_object::{FieldValue, NewObject};
 use heliotile_core::error::Result;
 use heliotile_scene::idf_fields;

@@ -8,16 +8,15 @@
 //! snow as EnergyPlus has them.
 
 mod sky_program;
+mod words;
 
 use crate::sun_tables::{NOMINAL_W_M2, ReflectedSky};
 use sky_program::brightening_lines;
+pub use words::Names;
+use words::signed;
 
 /// Ground-reflected radiation at or below which it is night, W/m2.
 const NIGHT_W_M2: f64 = 0.01;
-
-/// Prefix of the names of all added objects.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Names(String);
 
 /// Sensors of the site: the name behind the prefix, and the output variable.
 pub const SENSORS: [(&str, &str); 5] = [
@@ -31,21 +30,6 @@ pub const SENSORS: [(&str, &str); 5] = [
 /// Variables that the first program sets for all others: the factors of the tables of suns, of the
 /// sky's dome and of its horizon, and the ground's reflectance.
 pub const SHARED: [&str; 4] = ["B", "D", "H", "R"];
-
-impl Names {
-    /// Returns the first prefix of `HT1_`, `HT2_` ... that no name in `taken` begins with, in any
-    /// case of letters.
-    pub fn free<'a>(taken: impl Iterator<Item = &'a str>) -> Names {
-        let taken: Vec<String> = taken.map(str::to_uppercase).collect();
-        let free = (1_u32..).map(|number| format!("HT{number}_"));
-        Names(free.into_iter().find(|prefix| !taken.iter().any(|name| name.starts_with(prefix))).unwrap_or_default())
-    }
-
-    /// Returns the name `what` with the prefix.
-    pub fn of(&self, what: &str) -> String {
-        format!("{}{what}", self.0)
-    }
-}
 
 /// Tables of a surface: the part that does not depend on the ground, the part that does, the sun in
 /// mirrors.
@@ -101,13 +85,6 @@ pub fn sun_program(names: &Names, sky: ReflectedSky, bare_months: &[usize]) -> V
     }
     lines.push("ENDIF".into());
     lines
-}
-
-/// Writes a number in the runtime language, which takes no minus sign behind an operator.
-pub(super) fn signed(value: f64) -> String {
-    let digits = format!("{:.6}", value.abs());
-    let digits = digits.trim_end_matches('0').trim_end_matches('.');
-    if value < 0.0 && digits != "0" { format!("(0 - {digits})") } else { digits.into() }
 }
 
 /// Returns the lines that set one actuator.

@@ -5,7 +5,7 @@
 //! The coefficients are those of [`heliotile_core::sky::perez1990`]. The extraterrestrial
 //! irradiance is the mean of the year, which changes F1 by less than 0.003.
 
-use super::{Names, signed};
+use super::words::{Names, signed};
 use heliotile_core::sky::perez::{BIN_ENDS, KAPPA};
 use heliotile_core::sky::perez1990::{AIR_MASS, MIN_COSINE, TABLE};
 use heliotile_core::weather::time::sun::SOLAR_CONSTANT_W_M2;

@@ -46,6 +46,32 @@ impl WorkBudget {
     }
 }
 
+/// Most bytes that a file read as a whole may unpack to: a machine of 16 GB can hold them and the
+/// scene made of them.
+const MAX_WHOLE: u64 = 4 << 30;
+
+/// Bytes that any machine can hold: up to this size the ratio of unpacked to packed bytes is not
+/// limited, beyond it to [`MAX_TIMES`].
+const HARMLESS: u64 = 256 << 20;
+
+/// Largest ratio of unpacked to packed bytes: text is usually packed to a twentieth, bombs to a
+/// thousandth.
+const MAX_TIMES: u64 = 200;
+
+/// Most bytes that a file read piece by piece may unpack to: 100 million receivers are a tenth of
+/// that.
+pub(super) const MAX_STREAMED: u64 = 64 << 30;
+
+/// Returns the number of bytes that `packed` bytes of a file read as a whole may unpack to.
+pub(super) fn most(packed: u64) -> u64 {
+    packed.saturating_mul(MAX_TIMES).clamp(HARMLESS, MAX_WHOLE)
+}
+
+/// Returns the number of bytes that `packed` bytes of a file read piece by piece may unpack to.
+pub(super) fn most_streamed(packed: u64) -> u64 {
+    packed.saturating_mul(MAX_TIMES).clamp(HARMLESS, MAX_STREAMED)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -9,36 +9,14 @@ use std::path::Path;
 use flate2::read::MultiGzDecoder;
 use heliotile_core::error::{Error, Result};
 
+use super::budget::{MAX_STREAMED, most};
 use super::zip;
 
 const MAGIC: [u8; 2] = [0x1f, 0x8b];
 
-/// Most bytes that a file read as a whole may unpack to: a machine of 16 GB can hold them and the
-/// scene made of them.
-const MAX_WHOLE: u64 = 4 << 30;
-/// Bytes that any machine can hold: up to this size the ratio of unpacked to packed bytes is not
-/// limited, beyond it to [`MAX_TIMES`].
-const HARMLESS: u64 = 256 << 20;
-/// Largest ratio of unpacked to packed bytes: text is usually packed to a twentieth, bombs to a
-/// thousandth.
-const MAX_TIMES: u64 = 200;
-/// Most bytes that a file read piece by piece may unpack to: 100 million receivers are a tenth of
-/// that.
-const MAX_STREAMED: u64 = 64 << 30;
-
 /// Returns the plain bytes of a file.
 pub(super) fn unpack(bytes: Vec<u8>, file: &Path) -> Result<Vec<u8>> {
     unpack_up_to(most(bytes.len() as u64), bytes, file)
-}
-
-/// Returns the number of bytes that `packed` bytes of a file read as a whole may unpack to.
-pub(super) fn most(packed: u64) -> u64 {
-    packed.saturating_mul(MAX_TIMES).clamp(HARMLESS, MAX_WHOLE)
-}
-
-/// Returns the number of bytes that `packed` bytes of a file read piece by piece may unpack to.
-pub(super) fn most_streamed(packed: u64) -> u64 {
-    packed.saturating_mul(MAX_TIMES).clamp(HARMLESS, MAX_STREAMED)
 }
 
 fn unpack_up_to(most: u64, bytes: Vec<u8>, file: &Path) -> Result<Vec<u8>> {

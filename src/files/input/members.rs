@@ -11,7 +11,7 @@ use heliotile_core::text::Message;
 use zip::{CompressionMethod, ZipArchive};
 
 use super::gzip::Bounded;
-use super::{ending, gzip, open, refused, zip as single_zip};
+use super::{budget, ending, open, refused, zip as single_zip};
 use crate::text::{excerpt, utf8};
 
 /// Byte order marks of UTF-16.
@@ -57,7 +57,7 @@ pub fn each(
         let number = zip.index_for_name(&name).unwrap_or_default();
         let entry = zip.by_index_raw(number).map_err(damaged)?;
         let known = [CompressionMethod::Stored, CompressionMethod::Deflated].contains(&entry.compression());
-        let (left, is_encrypted) = (gzip::most_streamed(entry.compressed_size()), entry.encrypted());
+        let (left, is_encrypted) = (budget::most_streamed(entry.compressed_size()), entry.encrypted());
         drop(entry);
         if is_encrypted || !known {
             let what = format!("`{shown}` in the zip is encrypted or packed by another method than Deflate");

@@ -6,7 +6,7 @@ use std::path::Path;
 use heliotile_core::error::{Error, Result};
 use zip::{CompressionMethod, ZipArchive};
 
-use super::gzip::most;
+use super::budget::most;
 use crate::text::excerpt;
 
 pub(super) const MAGIC: &[u8] = b"PK\x03\x04";

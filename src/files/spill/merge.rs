@@ -7,8 +7,8 @@ use std::fs::File;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use crate::spill::batch::Batch;
 use crate::spill::run::{Record, Run, RunReader, RunWriter};
-use crate::spill::sorter::Batch;
 use heliotile_core::error::Result;
 
 /// Buffer size from which on a read is worth a seek, bytes. Used if the budget allows it.

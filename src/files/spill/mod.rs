@@ -5,6 +5,7 @@
 //! when the program ends, even after a crash. Replay uses such files, too, for what it cannot keep
 //! in memory. The module does not interpret the records.
 
+mod batch;
 mod merge;
 mod run;
 mod scratch;

@@ -7,7 +7,8 @@ use crate::outputs::pictures::colours::label;
 use crate::outputs::quantities::ChangeKind;
 use crate::outputs::tables::column::{Column, Digits};
 use crate::outputs::tables::layout::Layout;
-use crate::outputs::tables::records::{Cell, Records};
+use crate::outputs::tables::records::Records;
+use crate::outputs::tables::table::Cell;
 use heliotile_core::replay::components::Component;
 use heliotile_core::text::counted;
 

@@ -4,7 +4,6 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use super::rows::Question;
 use crate::Series;
 use crate::outputs::area_means::AreaMeans;
 use crate::outputs::periods::Every;
@@ -14,7 +13,7 @@ use crate::outputs::pictures::colours::{COMPONENTS, ColourScale};
 use crate::outputs::provenance::Provenance;
 use crate::outputs::quantities::Quantity;
 use crate::outputs::sink::Sink;
-use crate::outputs::tables::layout::{By, Layout};
+use crate::outputs::tables::layout::{By, Layout, Question};
 use crate::stream::{Tile, TileSink, TileStream};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::{ComponentList, ComponentSet};

@@ -17,6 +17,7 @@ use crate::outputs::result_file::ResultFormat;
 use crate::outputs::shapes::writer::MapFormat;
 use crate::outputs::tables::format::{files_of, table_help};
 use crate::outputs::tables::layout::By;
+pub use crate::outputs::tables::layout::Question;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::ComponentList;
 use heliotile_core::text::{Message, message};
@@ -27,7 +28,7 @@ pub use charts::AreaChart;
 pub use city_model::CityModelSink;
 pub use map::{MapStart, say_large};
 pub use map::{crs_of, surroundings};
-pub use rows::{MapFile, Question, ResultSink, RowFiles, RowsAbout, groups_of, rows_of, write_rows};
+pub use rows::{MapFile, ResultSink, RowFiles, RowsAbout, groups_of, rows_of, write_rows};
 
 /// Files that results are written to.
 #[derive(Clone, Debug, Request)]

@@ -12,8 +12,8 @@ use crate::outputs::quantities::PlaceValues;
 use crate::outputs::result_file::ResultFile;
 use crate::outputs::row_maker::RowMaker;
 use crate::outputs::shapes::writer::MapFormat;
-use crate::outputs::tables::format::Places;
-use crate::outputs::tables::layout::{By, Fact, Layout};
+use crate::outputs::tables::layout::{By, Fact, Layout, Question};
+use crate::outputs::tables::writer::Places;
 use crate::receivers::ReceiverSet;
 use crate::resources::Resources;
 use crate::stream::{Sinks, Tile, TileSink, TileStream};
@@ -24,15 +24,6 @@ use heliotile_core::replay::components::{ComponentList, ComponentSet};
 use heliotile_core::replay::values::TileValues;
 use heliotile_core::site::north::North;
 use heliotile_core::site::receiver::Receiver;
-
-/// Subject of the columns of results.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Question {
-    /// Irradiance of places.
-    Irradiance,
-    /// Irradiance before and after, and its change.
-    Change,
-}
 
 /// Metadata of files of rows.
 pub struct RowsAbout<'a> {

@@ -6,8 +6,8 @@ use std::path::Path;
 use super::provenance::Provenance;
 use super::tables::batch::{Batch, Values};
 use super::tables::column::{Column, Digits, Kind, TableColumns};
-use super::tables::format::Places;
 use super::tables::table::Table;
+use crate::outputs::tables::writer::Places;
 use heliotile_core::error::Result;
 use heliotile_core::replay::factors::{FACTORS, SunGrid};
 

@@ -7,8 +7,8 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::tables::column::Column;
-use super::tables::records::Cell;
 use super::tables::table::Table;
+use crate::outputs::tables::table::Cell;
 use heliotile_core::error::Result;
 use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::site::patch::{PATCH, Patch};

@@ -11,9 +11,9 @@ use crate::outputs::quantities::{ChangeKind, Measure, PlaceValues, Quantity, Val
 use crate::outputs::tables::batch::{Batch, Values};
 use crate::outputs::tables::bin_labels::BinLabels;
 use crate::outputs::tables::column::Digits;
-use crate::outputs::tables::format::Places;
 use crate::outputs::tables::layout::{Fact, Layout};
 use crate::outputs::tables::table::Table;
+use crate::outputs::tables::writer::Places;
 use heliotile_core::error::Result;
 use heliotile_core::units::tilt_and_azimuth;
 

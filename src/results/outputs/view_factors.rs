@@ -6,8 +6,8 @@ use std::path::Path;
 
 use super::provenance::Provenance;
 use super::tables::column::Column;
-use super::tables::records::Cell;
 use super::tables::table::Table;
+use crate::outputs::tables::table::Cell;
 use heliotile_core::error::Result;
 
 /// Columns of shares, which sum to 1.

@@ -7,7 +7,7 @@
 
 use std::path::Path;
 
-use super::images::{Pixels, check_sides};
+use super::pixels::{Pixels, check_sides};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::text::excerpt;
 use heliotile_weather::skies::luminance;

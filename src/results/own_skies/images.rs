@@ -11,12 +11,10 @@ use std::path::Path;
 use exr::prelude::{ReadChannels, ReadLayers, read};
 
 use super::hdr;
+use super::pixels::{Pixels, check_sides};
 use heliotile_core::dome::image::DomeImage;
 use heliotile_core::error::{Error, Result};
 use heliotile_weather::skies::{PatchQuantity, luminance};
-
-/// Largest side of a picture, pixels.
-const MAX_SIDE: usize = 8192;
 
 /// Meaning of the levels of a picture.
 #[derive(Clone, Copy, Debug)]
@@ -30,16 +28,6 @@ pub(super) enum Levels {
     },
     /// Transmittances of clouds, 0 to 1.
     Shares,
-}
-
-/// Pixels of a picture, one number each.
-pub(super) struct Pixels {
-    pub width: usize,
-    pub height: usize,
-    /// Levels, `[row][column]`, from the top left.
-    pub levels: Vec<f64>,
-    /// True if levels come from a display encoding, from 0 to 1.
-    pub are_coded: bool,
 }
 
 const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
@@ -98,15 +86,6 @@ pub(super) fn read_image(path: &Path, bytes: &[u8], levels: Levels, top_azimuth_
         return Err(Error::input(path, None, "the sky is black", "give a photograph that is exposed"));
     }
     Ok(image)
-}
-
-/// Refuses sides beyond what memory is planned for.
-pub(super) fn check_sides(path: &Path, width: usize, height: usize) -> Result<()> {
-    if width.max(height) <= MAX_SIDE {
-        return Ok(());
-    }
-    let what = format!("the picture has {width} x {height} pixels, and at most {MAX_SIDE} a side are supported");
-    Err(Error::input(path, None, what, "scale the picture down"))
 }
 
 fn png(path: &Path, bytes: &[u8], levels: Levels) -> Result<Pixels> {

@@ -4,6 +4,7 @@
 
 mod hdr;
 mod images;
+mod pixels;
 
 use std::path::{Path, PathBuf};
 use std::str::FromStr;

@@ -5,6 +5,7 @@
 //! that these name, and the files of the same name beside a raster or a shapefile.
 
 mod ascii_grid;
+mod asked;
 mod building;
 mod citygml;
 mod cityjson;
@@ -32,49 +33,18 @@ mod unread;
 mod wkt;
 mod xml;
 
-use std::collections::BTreeSet;
 use std::path::Path;
 
 use crate::facing;
-use crate::footprint_options::FootprintOptions;
-use crate::geocentric::{LocalFrame, is_geocentric, to_local};
+use crate::geocentric::{is_geocentric, to_local};
 use crate::geometry::Geometry;
-use crate::model_version::ModelVersion;
 use crate::terrain::raster::Raster;
 use crate::text::{excerpt, utf8};
+pub(super) use asked::{ReadOptions, stem};
 use features::FeatureFormat;
 use heliotile_core::error::{Error, Result};
 use heliotile_files::input;
 use heliotile_files::input::NamedBytes;
-
-/// Options of a reader: how to read a file, and which parts of it besides the geometry.
-#[derive(Clone, Debug, Default)]
-pub(super) struct ReadOptions {
-    /// True if the materials that the file itself describes are wanted.
-    pub reflectances: bool,
-    /// Names of the materials that the user describes elsewhere: their description in the file is
-    /// ignored.
-    pub described: BTreeSet<String>,
-    /// Level of detail to read where an object has several; `None` for the finest.
-    pub lod: Option<String>,
-    /// Origin of the local metres that replace geocentric coordinates: the frame of an earlier
-    /// geocentric file of the scene, if there is one.
-    pub local_frame: Option<LocalFrame>,
-    /// EPSG number of the plane system that longitudes and latitudes are projected to: the system
-    /// of the scene, if it has one yet.
-    pub system: Option<u32>,
-    /// Source of the heights of footprints.
-    pub footprints: FootprintOptions,
-    /// Version of EnergyPlus to read models as, whatever version they state.
-    pub assume_version: Option<ModelVersion>,
-}
-
-impl ReadOptions {
-    /// Returns true if the file's own description of `material` is wanted.
-    fn wants(&self, material: &str) -> bool {
-        self.reflectances && !self.described.contains(material)
-    }
-}
 
 /// Content of a scene file: polygons, or a raster of terrain heights.
 pub(super) enum Content {
@@ -283,13 +253,6 @@ fn unknown_ending(path: &Path, ending: &str) -> Error {
         },
         supported: SUPPORTED.into(),
     }
-}
-
-/// Returns the name of a file without its folder and endings, which names objects that have no
-/// name.
-pub(super) fn stem(path: &Path) -> String {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    name.split('.').find(|part| !part.is_empty()).unwrap_or("scene").to_owned()
 }
 
 #[cfg(test)]

@@ -12,7 +12,6 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use crate::formats::ReadOptions;
-use crate::formats::obj::Library;
 use crate::materials::select::MaterialTable;
 use crate::text::{Lines, Words, excerpt, keyword_and_rest, number, utf8};
 use heliotile_core::error::{Error, Result};
@@ -226,6 +225,13 @@ fn finish(
     }
     let class = class_of_name(&block.name);
     table.insert(block.name.clone(), Material { specular, ..Material::matt(block.name, diffuse, class) });
+}
+
+/// One `mtllib` statement: one file name or several, and its line.
+#[derive(Debug)]
+pub(crate) struct Library {
+    pub line: usize,
+    pub text: String,
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use crate::coordinate::MAX_COORDINATE_M;
 use crate::formats::mtl;
-use crate::formats::mtl::UsedMaterials;
+use crate::formats::mtl::{Library, UsedMaterials};
 use crate::formats::{ReadOptions, stem};
 use crate::geometry::Geometry;
 use crate::placing::y_up::HeaderUp;
@@ -22,13 +22,6 @@ const MAX_KINDS_IGNORED: usize = 16;
 
 /// Most lines of comments at the head of a file that are searched.
 const MAX_COMMENTS: usize = 20;
-
-/// One `mtllib` statement: one file name or several, and its line.
-#[derive(Debug)]
-pub(crate) struct Library {
-    pub line: usize,
-    pub text: String,
-}
 
 /// Reads an OBJ file, and its MTL libraries where reflectances are wanted.
 pub(super) fn read(bytes: &[u8], path: &Path, asked: &ReadOptions) -> Result<Geometry> {

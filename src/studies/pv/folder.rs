@@ -3,8 +3,8 @@
 
 use std::path::{Path, PathBuf};
 
-use super::PvRequest;
 use super::modules::{GEOMETRY, MATERIALS};
+use super::request::PvRequest;
 use super::spots::Spots;
 use crate::run::made_from::MadeFrom;
 use heliotile_core::archive::Archive;

@@ -6,7 +6,6 @@ use std::path::Path;
 use glam::DVec2;
 
 use super::modules::LaidRows;
-use super::spots::OFF_M;
 use heliotile_builder::siting::Siting;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::observer::Observer;
@@ -14,6 +13,9 @@ use heliotile_scene::pv::ground::{GroundGrid, GroundPlace};
 
 /// Largest number of places: more are a mix-up of metres and millimetres.
 const MAX_PLACES: f64 = 1e6;
+
+/// Distance of receivers of modules and of the ground off their surfaces, metres.
+pub const OFF_M: f64 = 0.005;
 
 /// Receiver on the ground, which faces straight up.
 #[derive(Clone, Debug)]

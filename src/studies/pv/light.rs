@@ -5,7 +5,7 @@ use std::cell::RefCell;
 use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
 
-use super::PvRequest;
+use super::request::PvRequest;
 use heliotile_core::archive::Archive;
 use heliotile_core::error::Result;
 use heliotile_core::observer::{Observer, Silent};

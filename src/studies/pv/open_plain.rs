@@ -7,7 +7,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::search::trace_aside;
+use super::aside::trace_aside;
 use heliotile_builder::pipeline::PreparedScene;
 use heliotile_builder::settings::BuildSettings;
 use heliotile_core::archive::Archive;

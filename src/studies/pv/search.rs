@@ -6,20 +6,15 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use glam::DVec3;
-use tempfile::TempDir;
 
-use super::PvRequest;
+use super::aside::trace_aside;
 use super::light::Light;
 use super::open_plain::plain;
+use super::request::PvRequest;
 use super::spots::{Spot, Spots};
-use heliotile_archives::Workspace;
-use heliotile_builder::pipeline::{Build, Output, Plan, PreparedScene, ReusedArchives};
-use heliotile_builder::receiver_tiles::ReceiverTiles;
+use heliotile_builder::pipeline::PreparedScene;
 use heliotile_builder::settings::BuildSettings;
-use heliotile_core::archive::{Access, Archive};
-use heliotile_core::error::{Error, Result};
-use heliotile_core::memory::{MemoryBudget, Use};
-use heliotile_core::observer::Observer;
+use heliotile_core::error::Result;
 use heliotile_core::orientation::best::{OrientationSurface, OrientationValue};
 use heliotile_core::orientation::fan::{Orientation, OrientationLimits, Ring, around};
 use heliotile_core::site::north::North;
@@ -183,40 +178,4 @@ fn peaks_of(found: &[OrientationValue]) -> Vec<Orientation> {
         }
     }
     peaks
-}
-
-/// Temporary archive; dropping this value removes it.
-pub struct TracedAside {
-    archive: Archive,
-    _folder: TempDir,
-}
-
-impl TracedAside {
-    pub fn archive(&self) -> &Archive {
-        &self.archive
-    }
-}
-
-/// Traces receivers of a scene into a temporary archive.
-pub fn trace_aside(
-    prepared: &PreparedScene,
-    receivers: &[Receiver],
-    settings: &BuildSettings,
-    folder: &Path,
-    observer: &dyn Observer,
-) -> Result<TracedAside> {
-    let beside = tempfile::Builder::new().prefix(".pv").tempdir_in(folder);
-    let beside = beside.map_err(Error::io(folder, "make a folder in"))?;
-    let workspace = Workspace { folder: beside.path().into(), memory: MemoryBudget::DEFAULT };
-    let budget = workspace.memory.length(Use::SortedReceivers);
-    let mut tiles = ReceiverTiles::from_receivers(receivers, prepared.scene.mesh.origin, beside.path(), budget)?;
-    let path = beside.path().join("aside.helio");
-    let mut build = Build { scene: prepared, receivers: &mut tiles, workspace: &workspace, observer };
-    build.write(
-        &Plan { with_scene: false, ..Plan::new(*settings) },
-        &Output::new(&path),
-        &ReusedArchives::default(),
-    )?;
-    let archive = Archive::open_with(&path, Access::Read)?;
-    Ok(TracedAside { archive, _folder: beside })
 }

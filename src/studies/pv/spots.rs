@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
-use super::ground::GroundSpot;
+use super::ground::{GroundSpot, OFF_M};
 use heliotile_builder::siting::{Enclosed, Siting};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::orientation::fan::Orientation;
@@ -19,9 +19,6 @@ use heliotile_scene::Scene;
 use heliotile_scene::points::places::{PlacePoint, PointHeight};
 use heliotile_scene::points::rows::ONE_DIRECTION;
 use heliotile_scene::pv::layout::Module;
-
-/// Distance of receivers of modules and of the ground off their surfaces, metres.
-pub const OFF_M: f64 = 0.005;
 
 /// Place of a module or a point.
 #[derive(Clone, Debug)]

@@ -4,11 +4,11 @@
 use std::collections::{HashMap, HashSet};
 use std::fs;
 
-use super::PvRequest;
 use super::folder::PvFolder;
 use super::ground::GroundSpot;
 use super::light::Light;
 use super::open_plain::OpenPlain;
+use super::request::PvRequest;
 use super::spots::{Spot, SpotSide, Spots};
 use heliotile_archives::transfer::ArchiveReceivers;
 use heliotile_builder::siting::Siting;

@@ -6,7 +6,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::made_from::MadeFrom;
-use super::{RunMap, RunRequest, maps};
+use super::request::{RunRequest, folder_beside};
+use super::{RunMap, maps};
 use heliotile_core::archive::Archive;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::named::name_of;
@@ -168,14 +169,6 @@ impl RunFiles {
         let files = table.into_iter().chain(["site.helio".to_owned()]);
         files.chain(self.written(request).iter().map(name)).collect()
     }
-}
-
-/// Returns the folder of a scene in the working directory: `town.city.json` gives `town.sun`.
-pub fn folder_beside(scene: &Path, ending: &str) -> PathBuf {
-    let whole = fs::canonicalize(scene).unwrap_or_else(|_| scene.to_owned());
-    let name = whole.file_name().unwrap_or_default().to_string_lossy();
-    let stem = name.split('.').find(|part| !part.is_empty()).unwrap_or("site");
-    PathBuf::from(format!("{stem}.{ending}"))
 }
 
 /// Names in the folder that are not those of weather.

@@ -5,121 +5,34 @@ mod folder;
 pub mod made_from;
 mod maps;
 mod passes;
+mod request;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use crate::covering::{CoverRequest, cover_site};
+use crate::covering::cover_site;
 use crate::site_build::{FolderOption, ReceiverSource, SiteBuild, SiteFolder};
 use crate::sunlight::{SunlightRequest, SunlightSite};
 use folder::RunFiles;
-use heliotile_builder::planning::parse_negligible;
-use heliotile_requests::{OutputKind, Request, Role};
 use heliotile_results::archives::Archives;
 use heliotile_results::files::OutputRequest;
-use heliotile_results::outputs::periods::Every;
 use heliotile_results::outputs::provenance::Provenance;
-use heliotile_results::outputs::tables::format::table_endings;
-use heliotile_results::outputs::tables::layout::By;
 use heliotile_results::outputs::viewer_page::ViewerPage;
 use heliotile_results::receivers::ReceiverSet;
 use heliotile_results::resources::Resources;
 
-pub use folder::folder_beside;
 use heliotile_builder::accuracy::conditions::ErrorConditions;
-use heliotile_builder::planning::{AccuracyRequest, EffectsUnder};
+use heliotile_builder::planning::EffectsUnder;
 use heliotile_core::archive::Archive;
 use heliotile_core::error::{Result, check_ranges};
-use heliotile_core::weather::options::{StampedAt, WeatherOptions};
 use heliotile_remote::places::hold;
 use heliotile_scene::Scene;
-use heliotile_scene::request::SceneRequest;
 use heliotile_scene::site::SceneFiles;
 use heliotile_weather::distance::far_apart;
 use heliotile_weather::series::Weather;
 use passes::RunResults;
 
 pub use maps::RunMap;
-
-/// Request for a run.
-#[derive(Clone, Debug, Request)]
-#[request(also = usual_folder)]
-pub struct RunRequest {
-    /// Scene to trace.
-    #[field(flatten, without("grid_north"))]
-    pub scene: SceneRequest,
-    /// Weather file: EPW, TMY3, WEA, SURFRAD, CSV or JSON of a service (NSRDB, PVGIS, Open-Meteo,
-    /// Solcast), or any CSV or JSON with `time` and some of ghi, dni, dhi; also packed (.gz, .zip).
-    #[field(short = 'w', input = Weather, required)]
-    pub weather: PathBuf,
-    /// Facts about the weather file that it does not state itself.
-    #[field(flatten, without("latitude", "longitude"), heading = "About the weather file")]
-    pub about_weather: WeatherOptions,
-    /// Folder to write: receivers.csv, site.helio, and a folder for each weather file with
-    /// annual.csv and annual.png [default: the name of the first scene file, with .sun].
-    #[field(name = "output", short = 'o', metavar = "FOLDER", output = Folder(&["receivers.csv"]))]
-    pub folder: Option<PathBuf>,
-    /// Surfaces that get receivers, if `receivers` is `None`.
-    #[field(flatten)]
-    pub cover: CoverRequest,
-    /// Table of receivers in place of those that cover surfaces, CSV with columns
-    /// receiver,x,y,z,nx,ny,nz and optionally area,surface.
-    #[field(short = 'r', conflicts("on", "spacing", "per_surface", "offset", "min_area"), input = Receivers)]
-    pub receivers: Option<PathBuf>,
-    /// Accuracy of the archive.
-    #[field(flatten)]
-    pub accuracy: AccuracyRequest,
-    /// Leave out light paths that add no more than this share of the sum over the weather file, in
-    /// any group of receivers, such as 0.5%.
-    #[field(metavar = "PERCENT", parse = parse_negligible)]
-    pub negligible_percent: Option<f64>,
-    /// Leave the scene's triangles out of the archive, if they may not be passed on.
-    #[field(negated = "no_scene", python = "with_scene")]
-    pub with_scene: bool,
-    /// Archive of this scene before a change, a path or an address: only light that the change can
-    /// alter is traced, with the same results as without this option.
-    #[field(python = "before", metavar = "BEFORE.helio", input = Archive)]
-    pub from: Option<PathBuf>,
-    /// Also write a table by hour, day, month, year or total, as `replay` does: months.csv and so
-    /// on; several with commas.
-    #[field(metavar = "PERIOD", delimiter = ',')]
-    pub every: Vec<Every>,
-    /// Also check a rule of sunlight and write rules.csv: a name that `heliotile info --rule all`
-    /// lists, or a file with rules of your own (.toml); may be repeated.
-    #[field(name = "rule", python = "rules", metavar = "NAME|FILE")]
-    pub rules: Vec<String>,
-    /// Grouping of rows in the tables of --every and --rule: what each row stands for.
-    #[field(default = "receiver", requires("every", "rule"))]
-    pub by: By,
-    /// Time that labels a row of hours: the start, middle or end of its interval.
-    #[field(default = "start", requires("every"))]
-    pub stamp: StampedAt,
-    /// Year of all dates in the tables of --every, such as 2019, as for `replay`; annual sums stay
-    /// as they are.
-    #[field(range = 1..=2999, requires("every"))]
-    pub year: Option<i32>,
-    /// Ending of the tables of --every and --rule, which chooses their format.
-    #[field(default = "csv", requires("every", "rule"), choices = table_endings)]
-    pub format: String,
-    /// Also write the annual sums as a map in this format, such as annual.glb beside annual.csv, or
-    /// into the city model of the scene; may be repeated, or several with commas.
-    #[field(name = "map", python = "maps", metavar = "FORMAT", delimiter = ',', neutral)]
-    pub maps: Vec<RunMap>,
-    /// Replace results in the folder that are of another scene, spacing, accuracy or weather;
-    /// without this option they are an error.
-    #[field(neutral)]
-    pub replace: bool,
-}
-
-/// Hands on the folder that a run writes if none is given.
-fn usual_folder(request: &RunRequest, each: &mut dyn FnMut(&'static str, Role, &Path)) {
-    if request.folder.is_none() {
-        each(
-            "output",
-            Role::Output(OutputKind::Folder(&["receivers.csv"])),
-            &folder_beside(request.scene.first(), "sun"),
-        );
-    }
-}
+pub use request::{RunRequest, folder_beside};
 
 /// Result of a run.
 #[derive(Clone, Debug)]
@@ -134,37 +47,7 @@ pub struct RunDone {
     pub table: String,
 }
 
-impl Default for RunRequest {
-    fn default() -> Self {
-        RunRequest::new(SceneRequest::default(), "")
-    }
-}
-
 impl RunRequest {
-    /// Returns a run with default receivers and accuracy: annual sums and a map.
-    pub fn new(scene: SceneRequest, weather: impl Into<PathBuf>) -> Self {
-        RunRequest {
-            scene,
-            weather: weather.into(),
-            about_weather: WeatherOptions::default(),
-            folder: None,
-            cover: CoverRequest::default(),
-            receivers: None,
-            accuracy: AccuracyRequest::default(),
-            negligible_percent: None,
-            with_scene: true,
-            from: None,
-            every: Vec::new(),
-            rules: Vec::new(),
-            by: By::default(),
-            stamp: StampedAt::default(),
-            year: None,
-            format: "csv".to_owned(),
-            maps: Vec::new(),
-            replace: false,
-        }
-    }
-
     /// Writes the folder; `about` is the provenance that results state.
     pub fn write(&self, about: Provenance, resources: &Resources) -> Result<RunDone> {
         check_ranges(self)?;

@@ -6,7 +6,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use super::folder::RunFiles;
-use super::{RunMap, RunRequest, maps};
+use super::request::RunRequest;
+use super::{RunMap, maps};
 use heliotile_core::archive::Archive;
 use heliotile_core::error::Result;
 use heliotile_core::replay::components::{Component, ComponentSet};

@@ -4,8 +4,8 @@
 use std::collections::HashMap;
 
 use super::measure::RuleValue;
-use super::pass::SunlightSite;
 use super::places::PlaceAnswer;
+use super::request::SunlightSite;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::Use;
 use heliotile_core::opened::{ReceiverMatching, ReceiverPlace};

@@ -34,10 +34,10 @@ use heliotile_results::outputs::shapes::writer::PlaceShapes;
 use heliotile_results::outputs::sink::Sink;
 use heliotile_results::outputs::tables::bin_labels::BinLabels;
 use heliotile_results::outputs::tables::column::Column;
-use heliotile_results::outputs::tables::format::{Format, Places};
+use heliotile_results::outputs::tables::format::Format;
 use heliotile_results::outputs::tables::layout::{BinKind, By, Fact, Layout};
-use heliotile_results::outputs::tables::records::Cell;
-use heliotile_results::outputs::tables::table::Table;
+use heliotile_results::outputs::tables::table::{Cell, Table};
+use heliotile_results::outputs::tables::writer::Places;
 use heliotile_results::receivers::ReceiverSet;
 use heliotile_results::resources::Resources;
 

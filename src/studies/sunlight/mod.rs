@@ -23,7 +23,6 @@ mod rule_files;
 pub use calendar::DaySpan;
 pub use glare::GlareChoice;
 pub use heliotile_core::weather::time::clock_zone::ClockZone;
-pub use pass::SunlightSite;
-pub use request::{RuleCount, SunlightDone, SunlightRequest};
+pub use request::{RuleCount, SunlightDone, SunlightRequest, SunlightSite};
 pub use rule::{ClockHours, DaysTogether, LitPart, Rule, RuleClock, RuleMeasure, Threshold};
 pub use rule_files::{ShippedRules, shipped_rules};

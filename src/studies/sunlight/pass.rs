@@ -9,7 +9,7 @@ use super::glare::{GlareChoice, PaneFile, SpellRecord, write_calendar};
 use super::groups::{GroupAnswers, check_middles};
 use super::panes::PaneList;
 use super::places::{PlaceAnswer, PlaceQuestions, RowSubject};
-use super::request::{RuleCount, SunlightDone, SunlightRequest};
+use super::request::{RuleCount, SunlightDone, SunlightRequest, SunlightSite};
 use heliotile_core::archive::format;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::hemisphere::HEMISPHERE_SR;
@@ -36,19 +36,6 @@ const DEGREES_A_MINUTE: f64 = 0.25;
 
 /// Kind of the surfaces of windows.
 const WINDOW: &str = "window";
-
-/// Open archives of a site, and the receivers of the request.
-#[derive(Clone, Copy)]
-pub struct SunlightSite<'a> {
-    /// Archives of the site.
-    pub archives: Archives<'a>,
-    /// Receivers of the request.
-    pub receivers: &'a ReceiverSet<'a>,
-    /// Path of the archive or of the atlas.
-    pub place: &'a Path,
-    /// Folder for temporary files that do not fit into memory.
-    pub folder: &'a Path,
-}
 
 impl SunlightRequest {
     /// Writes the files; `before` is the site before a change, if one is requested.

@@ -23,6 +23,7 @@ use heliotile_requests::Request;
 use heliotile_results::archives::Archives;
 use heliotile_results::files::OutputRequest;
 use heliotile_results::outputs::periods::{ClockReading, Every, Periods};
+use heliotile_results::receivers::ReceiverSet;
 use heliotile_results::request::ReplayRequest;
 use heliotile_results::resources::Resources;
 
@@ -289,4 +290,17 @@ impl SunlightRequest {
         let Periods { labels, index_of_condition, .. } = Periods::new(self.every, years, &stamps, reading);
         DateRows { labels, bin_of_date: index_of_condition, is_by_day: self.every == Every::Day }
     }
+}
+
+/// Open archives of a site, and the receivers of the request.
+#[derive(Clone, Copy)]
+pub struct SunlightSite<'a> {
+    /// Archives of the site.
+    pub archives: Archives<'a>,
+    /// Receivers of the request.
+    pub receivers: &'a ReceiverSet<'a>,
+    /// Path of the archive or of the atlas.
+    pub place: &'a Path,
+    /// Folder for temporary files that do not fit into memory.
+    pub folder: &'a Path,
 }

@@ -5,7 +5,7 @@ mod ladder;
 mod report;
 mod sources;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use serde::Serialize;
 
@@ -16,7 +16,6 @@ use heliotile_builder::accuracy::{CONDITIONS, sample};
 use heliotile_builder::pipeline::{Build, PreparedScene, read_receivers};
 use heliotile_builder::settings::{BuildSettings, EffectChoice};
 use heliotile_core::error::{Error, Result, check_ranges};
-use heliotile_core::observer::Observer;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::weather::options::WeatherOptions;
 use heliotile_files::writing::copy::folder_of;
@@ -27,6 +26,7 @@ use heliotile_scene::Scene;
 use heliotile_scene::request::SceneRequest;
 
 pub use ladder::{LadderStep, LadderTable};
+use report::SiteSummary;
 pub use sources::SettingPoint;
 
 /// Request for a trade-off.
@@ -73,17 +73,6 @@ pub struct TradeoffDone {
     pub ladder: LadderTable,
     /// Points of each setting alone, if requested.
     pub sources: Option<Vec<SettingPoint>>,
-}
-
-/// Summary of the site for the report.
-struct SiteSummary<'a> {
-    scene: &'a Path,
-    receivers: usize,
-    sample: usize,
-    /// Suns and skies that errors were estimated under.
-    weather: &'a str,
-    /// Observer, whose words texts use.
-    observer: &'a dyn Observer,
 }
 
 impl Default for TradeoffRequest {

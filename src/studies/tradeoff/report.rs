@@ -1,10 +1,12 @@
 //! Report of a trade-off for people and programs. In: the measurements. Out: a folder with tables,
 //! pictures, and a page for people.
 
-use super::SiteSummary;
+use std::path::Path;
+
 use super::ladder::{LadderStep, LadderTable};
 use super::sources::SettingPoint;
 use heliotile_core::archive::settings::SETTINGS;
+use heliotile_core::observer::Observer;
 use heliotile_core::replay::components::Component;
 use heliotile_results::outputs::markup::escaped;
 use heliotile_results::outputs::page::{CsvTable, PICTURE_PX, ReportFolder};
@@ -151,4 +153,15 @@ fn words(site: &SiteSummary, ladder: &LadderTable) -> String {
         &"To ask for an error instead of a setting, build with <code>{error} 2%</code>, or the number that you need."
             .into(),
     )
+}
+
+/// Summary of the site for the report.
+pub(super) struct SiteSummary<'a> {
+    pub scene: &'a Path,
+    pub receivers: usize,
+    pub sample: usize,
+    /// Suns and skies that errors were estimated under.
+    pub weather: &'a str,
+    /// Observer, whose words texts use.
+    pub observer: &'a dyn Observer,
 }

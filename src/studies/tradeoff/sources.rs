@@ -4,11 +4,11 @@
 use serde::Serialize;
 
 use heliotile_builder::accuracy::conditions::{ErrorConditions, is_lit};
-use heliotile_builder::accuracy::estimate::percent;
+use heliotile_builder::accuracy::reference_sample::percent;
 use heliotile_builder::accuracy::trial::{Bench, ErrorMeasures, ErrorSource, Irradiances};
 use heliotile_builder::settings::BuildSettings;
-use heliotile_builder::settings::ladder::{Rungs, patches};
 use heliotile_builder::settings::{Effects, Quality, Share};
+use heliotile_builder::settings::{Rungs, patches};
 use heliotile_core::error::Result;
 use heliotile_core::observer::Stage;
 

@@ -3,11 +3,11 @@
 //! the edits can alter is traced.
 
 mod receivers;
+mod request;
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-use crate::covering::{CoverRequest, Density};
 use glam::DVec3;
 use heliotile_archives::Workspace;
 use heliotile_builder::held::{held_receivers, held_scene};
@@ -29,7 +29,7 @@ use heliotile_results::horizon::black_below_horizon;
 use heliotile_results::resources::Resources;
 use heliotile_scene::Scene;
 use heliotile_scene::change::TracedScene;
-use heliotile_scene::edit::{EditedScene, SceneEdits};
+use heliotile_scene::edit::EditedScene;
 use heliotile_scene::load::ObjectTriangles;
 use heliotile_scene::materials::materials_of;
 use heliotile_scene::placing::plausible::far_objects;
@@ -37,29 +37,7 @@ use heliotile_scene::request::SceneRequest;
 use heliotile_scene::site::SceneFiles;
 use heliotile_scene::site::guard_site;
 use receivers::{SceneStates, UpdatedReceivers, cover, usual_spacing};
-
-/// Request for an update.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct UpdateRequest {
-    /// Archive before the edits: a path or an address.
-    pub before: PathBuf,
-    /// Archive to write.
-    pub output: PathBuf,
-    /// Edits of the scene's objects.
-    pub edits: SceneEdits,
-    /// Scene files that are added, in the coordinates of the scene; their materials may also be
-    /// given to objects.
-    pub add: SceneRequest,
-    /// Surfaces that get receivers, on new objects and on objects with another shape.
-    pub cover: CoverRequest,
-    /// Density of the new receivers; `None`: spacing as in the archive.
-    pub density: Option<Density>,
-    /// Largest change, percent, that an edit may cause without a new trace. With it the archive is
-    /// a preview.
-    pub preview_percent: Option<f64>,
-    /// True if an interrupted update of other edits in the same place is discarded.
-    pub fresh: bool,
-}
+pub use request::UpdateRequest;
 
 /// Result of an update.
 #[derive(Clone, Debug)]

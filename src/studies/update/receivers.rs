@@ -7,11 +7,11 @@ use std::collections::{BTreeSet, HashMap};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::UpdateRequest;
+use super::request::UpdateRequest;
 use crate::covering::{CoverRequest, Density, cover_scene, save};
 use heliotile_builder::trace::canopy::Canopies;
 use heliotile_builder::trace::placement::{Placement, placement_of};
-use heliotile_builder::trace::receiver::Viewpoint;
+use heliotile_builder::trace::viewpoint::Viewpoint;
 use heliotile_builder::trace::{Ray, Tracer};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::observer::Observer;

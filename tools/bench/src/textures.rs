@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use glam::{DVec2, DVec3};
 use heliotile_builder::trace::Tracer;
-use heliotile_builder::trace::receiver::Viewpoint;
+use heliotile_builder::trace::viewpoint::Viewpoint;
 use heliotile_builder::trace::sky_fans::SkyFans;
 use heliotile_core::hemisphere::texel_direction;
 use heliotile_core::layers::bits::BitSquare;

@@ -8,7 +8,7 @@
 
 use crate::trace::kernel::fan::Cone;
 use crate::trace::kernel::lanes::{F32x16, LANES, Lanes};
-use crate::trace::kernel::packet::{FAR_PAD, inverse};
+use crate::trace::kernel::ray::{FAR_PAD, inverse};
 use crate::trace::kernel::tree::{Node, WIDTH};
 
 /// Bounds of some rays. Lanes 0 to 7 are for the sides at which the rays enter the eight boxes, and

@@ -12,7 +12,7 @@
 use crate::trace::kernel::fan::{Cone, Fan};
 use crate::trace::kernel::lanes::{F32x16, LANES, Lanes};
 use crate::trace::kernel::planes::{Planes, bits, meets, planes};
-use crate::trace::kernel::rays::Ray;
+use crate::trace::kernel::ray::Ray;
 use crate::trace::kernel::tree::Tree;
 
 /// Sixteen triangles as seen from one origin.

@@ -8,6 +8,7 @@ pub(crate) mod fan;
 pub mod lanes;
 pub(crate) mod packet;
 mod planes;
+pub mod ray;
 pub mod rays;
 pub(crate) mod scan;
 pub(crate) mod tree;

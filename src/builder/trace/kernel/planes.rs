@@ -2,8 +2,7 @@
 //! distances, by the arithmetic of [`crate::trace::kernel::triangle`] lane by lane.
 
 use crate::trace::kernel::lanes::Lanes;
-use crate::trace::kernel::packet::Packet;
-use crate::trace::kernel::rays::Ray;
+use crate::trace::kernel::ray::{Packet, Ray};
 use crate::trace::kernel::triangle::{Corners, DOUBT, EdgeTriangle, intersect_f64};
 
 /// Vectors of a packet in registers.

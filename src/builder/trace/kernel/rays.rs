@@ -8,6 +8,7 @@ use glam::DVec3;
 
 use crate::trace::kernel::lanes::Level;
 use crate::trace::kernel::packet;
+use crate::trace::kernel::ray::{FAR_PAD, Hit, Ray, inverse};
 use crate::trace::kernel::scan::{Scan, ScanSpace};
 use crate::trace::kernel::tree::{Child, Node, Tree, WIDTH};
 use crate::trace::kernel::triangle::intersect;
@@ -15,24 +16,6 @@ use heliotile_core::error::Result;
 use heliotile_core::site::cells::FaceTag;
 use heliotile_core::site::grid::Grid;
 use heliotile_scene::mesh::Mesh;
-
-/// Ray.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ray {
-    /// Start relative to the scene origin, metres.
-    pub origin: [f32; 3],
-    /// Direction, about unit length.
-    pub direction: [f32; 3],
-}
-
-/// First hit of a ray.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hit {
-    /// Distance in units of the direction's length.
-    pub t: f32,
-    /// Index of the triangle in the mesh.
-    pub triangle: u32,
-}
 
 /// Side of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -191,7 +174,7 @@ impl Tracer {
     /// Visits the leaves that a ray enters, nearest first. `leaf(limit, first, count)` may lower
     /// the limit, and ends the walk by returning false.
     fn walk(&self, ray: Ray, mut leaf: impl FnMut(&mut f32, usize, usize) -> bool) {
-        let inverse = ray.direction.map(packet::inverse);
+        let inverse = ray.direction.map(inverse);
         let mut limit = f32::INFINITY;
         let mut stack = vec![(Child::default(), 0.0_f32)];
         while let Some((next, entry)) = stack.pop() {
@@ -225,7 +208,7 @@ fn slab(node: &Node, child: usize, origin: [f32; 3], inverse: [f32; 3], limit: f
         // of an absent child must not be hit.
         let (enter, leave) = if inverse[i] < 0.0 { (high, low) } else { (low, high) };
         near = near.max((enter - origin[i]) * inverse[i]);
-        far = far.min((leave - origin[i]) * inverse[i] * packet::FAR_PAD);
+        far = far.min((leave - origin[i]) * inverse[i] * FAR_PAD);
     }
     (near <= far).then_some(near)
 }

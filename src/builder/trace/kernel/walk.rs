@@ -7,8 +7,8 @@
 
 use crate::trace::kernel::beam::Beam;
 use crate::trace::kernel::lanes::{F32x16, LANES, Lanes};
-use crate::trace::kernel::packet::{FAR_PAD, Packet};
 use crate::trace::kernel::planes::{PacketRays, bits, intersect};
+use crate::trace::kernel::ray::{FAR_PAD, Packet};
 use crate::trace::kernel::tree::{Child, Node, Tree, WIDTH};
 
 /// Child that waits for the lanes that enter its box.
@@ -187,7 +187,7 @@ impl<'a, F: Copy> Walk<'a, F> {
     }
 }
 
-/// Does the work of [`packet::inverse`] in lanes.
+/// Does the work of `ray::inverse` in lanes.
 #[inline(always)]
 fn inverses<L: Lanes>(l: L, d: L::F) -> L::F {
     let tiny = l.less(l.abs(d), l.splat(1e-20));

@@ -10,7 +10,7 @@
 use glam::DVec3;
 
 use crate::hemisphere::texel_centres;
-use crate::layers::response::{CLASSES, Response};
+use crate::layers::response::texture::{CLASSES, Response};
 
 /// Number of texels to a side of a block.
 pub const BLOCK: usize = 8;

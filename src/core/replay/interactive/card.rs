@@ -4,7 +4,7 @@
 
 use crate::replay::direct::sun_samples::DiscPart;
 use crate::replay::interactive::light::InteractiveLight;
-use crate::replay::interactive::packed::{PATCHES, Shape, WORDS};
+use crate::replay::interactive::shape::{PATCHES, Shape, WORDS};
 
 /// Receivers of a tile as texels of four 32-bit words.
 #[derive(Clone, Copy, Debug, Default)]

@@ -11,11 +11,12 @@ mod card;
 mod light;
 mod packed;
 mod packed_sky;
+mod shape;
 mod site;
 mod tile;
 
 pub use card::{LightTexels, TileTextures};
 pub use light::InteractiveLight;
-pub use packed::Shape;
+pub use shape::Shape;
 pub use site::InteractiveReplay;
 pub use tile::InteractiveTile;

@@ -22,11 +22,8 @@ use pulp::Arch;
 use crate::hemisphere::{Frame, texel_centres};
 use crate::layers::sky_bitmap::SkyBitmap;
 use crate::replay::interactive::packed_sky;
+use crate::replay::interactive::shape::{Shape, WORDS, padded};
 
-/// Number of words in a texel.
-pub(super) const WORDS: usize = 4;
-/// Number of patches in a texel of coefficients.
-pub(super) const PATCHES: usize = 16;
 /// Number of texels of the head: normal, steps and the band at the horizon.
 const HEAD: usize = 2;
 /// Largest value of a byte.
@@ -36,44 +33,6 @@ const WORD_BITS: [u32; 3] = [14, 9, 9];
 const BYTE_BITS: [u32; 3] = [2, 3, 3];
 /// Number of partial sums that are added side by side, in a fixed order.
 const SIDE_BY_SIDE: usize = 16;
-
-/// Sizes of the parts of a receiver's words, which are equal in all tiles of an archive.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Shape {
-    /// Texels of the coefficients.
-    pub patches: usize,
-    /// Texels of the response; 0 where nothing reflects.
-    pub response: usize,
-    /// Texels of the sky's base texels, of which each holds 64.
-    pub groups: usize,
-    /// Groups to a row of base texels: rows start new ones.
-    pub stride: usize,
-    /// Fine texels to a side of a base texel.
-    pub block: usize,
-    /// Words of a base texel in part whose rows are steps; 0 where all are bits.
-    pub steps: usize,
-}
-
-impl Shape {
-    /// Returns the layout for skies of `patches` patches, responses of `response` texels a side,
-    /// and the sky bitmaps of a tile.
-    pub(super) fn new(patches: usize, response: usize, sky: &SkyBitmap) -> Self {
-        Shape {
-            patches: patches.div_ceil(PATCHES),
-            response: (response * response).div_ceil(WORDS),
-            groups: sky.bits().0.len(),
-            stride: sky.side().div_ceil(64),
-            block: sky.block(),
-            steps: packed_sky::step_words(sky.block()),
-        }
-    }
-
-    /// Returns the number of words that hold the remainders of the response. Byte k of word i
-    /// belongs to texel k x `rest` + i.
-    pub(super) fn rest(self) -> usize {
-        self.response.div_ceil(WORDS) * WORDS
-    }
-}
 
 /// Layers of a receiver before they are packed.
 pub(super) struct Unpacked<'r> {
@@ -306,13 +265,6 @@ fn field_products(words: &[u32], rest: &[u32], [a, u, v]: [&[f32]; 3]) -> (f32, 
         }
     }
     (along.iter().sum(), across.iter().sum())
-}
-
-/// Appends words, filled up with zeros to `texels` texels.
-pub(super) fn padded(words: &mut Vec<u32>, texels: usize, of: impl Iterator<Item = u32>) {
-    let end = words.len() + texels * WORDS;
-    words.extend(of.take(texels * WORDS));
-    words.resize(end, 0);
 }
 
 #[cfg(test)]

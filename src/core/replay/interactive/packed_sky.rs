@@ -14,28 +14,11 @@
 //!   of all partly open base texels where [`Shape::steps`] is 0. Filled up to whole texels.
 
 use crate::layers::sky_bitmap::{BaseTexels, SkyBitmap, Texel};
-use crate::replay::interactive::packed::{Shape, WORDS, padded};
+use crate::replay::interactive::shape::{Shape, WORDS, bit_words, length_bits, padded};
 
 /// Flags in the last word of a base texel's row lengths.
 const BITS: u32 = 1 << 31;
 const RIGHT: u32 = 1 << 30;
-
-/// Returns the number of bits that the length of a row of a base texel takes.
-fn length_bits(block: usize) -> usize {
-    block.max(1).ilog2() as usize + 1
-}
-
-/// Returns the number of words that the bits of a base texel take.
-fn bit_words(block: usize) -> usize {
-    2 * (block * block).div_ceil(64)
-}
-
-/// Returns the number of words that the row lengths of a base texel take; 0 where they are not
-/// shorter than its bits.
-pub(super) fn step_words(block: usize) -> usize {
-    let words = (block * length_bits(block) + 2).div_ceil(32);
-    if block <= 64 && words < bit_words(block) { words } else { 0 }
-}
 
 /// Appends the words of a sky.
 pub(super) fn pack(sky: &SkyBitmap, shape: Shape, words: &mut Vec<u32>) {

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use super::cadastre::{Cadastre, SIDES};
 use super::face::{AreaSum, RoofFace};
 use crate::outputs::tables::column::Column;
-use crate::outputs::tables::records::{Cell, Records};
+use crate::outputs::tables::records::Records;
+use crate::outputs::tables::table::Cell;
 
 /// Returns a row for each building, by name.
 pub fn building_rows(cadastre: &Cadastre) -> Records {

@@ -9,7 +9,8 @@ use glam::DVec3;
 use super::sums::{DECIMALS, MonthlySums, columns_of_parts};
 use crate::outputs::provenance::Provenance;
 use crate::outputs::tables::column::Column;
-use crate::outputs::tables::records::{Cell, Records};
+use crate::outputs::tables::records::Records;
+use crate::outputs::tables::table::Cell;
 use heliotile_core::error::Result;
 use heliotile_core::replay::components::Component;
 

@@ -6,7 +6,8 @@ use std::path::Path;
 use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::write_texts;
 use crate::outputs::tables::column::{Column, Digits};
-use crate::outputs::tables::records::{Cell, Records};
+use crate::outputs::tables::records::Records;
+use crate::outputs::tables::table::Cell;
 use heliotile_core::error::Result;
 
 /// Horizon of a point.

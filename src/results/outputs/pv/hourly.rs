@@ -11,8 +11,8 @@ use crate::outputs::provenance::Provenance;
 use crate::outputs::tables::batch::{Batch, Values};
 use crate::outputs::tables::bin_labels::BinLabels;
 use crate::outputs::tables::column::{Column, Digits, Kind, TableColumns};
-use crate::outputs::tables::format::Places;
 use crate::outputs::tables::table::Table;
+use crate::outputs::tables::writer::Places;
 use heliotile_core::error::Result;
 use heliotile_core::replay::components::Component;
 

@@ -5,7 +5,8 @@ use std::path::Path;
 
 use crate::outputs::provenance::Provenance;
 use crate::outputs::tables::column::Column;
-use crate::outputs::tables::records::{Cell, Records};
+use crate::outputs::tables::records::Records;
+use crate::outputs::tables::table::Cell;
 use heliotile_core::error::Result;
 use heliotile_core::orientation::best::OrientationValue;
 use heliotile_core::orientation::fan::Ring;

@@ -7,7 +7,8 @@ use glam::DVec3;
 
 use crate::outputs::provenance::Provenance;
 use crate::outputs::tables::column::{Column, Digits};
-use crate::outputs::tables::records::{Cell, Records};
+use crate::outputs::tables::records::Records;
+use crate::outputs::tables::table::Cell;
 use heliotile_core::error::Result;
 use heliotile_core::orientation::fan::Orientation;
 use heliotile_core::replay::components::{Component, SUM_SUFFIX};

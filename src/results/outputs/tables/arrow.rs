@@ -21,8 +21,7 @@ use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
 use crate::outputs::tables::batch::{Batch, Values};
 use crate::outputs::tables::column::{Along, BinValues, Column, Kind, TableColumns};
-use crate::outputs::tables::format::{FormatWriter, TableRequest};
-use crate::outputs::tables::table::{failed, rows_defect};
+use crate::outputs::tables::writer::{FormatWriter, TableRequest, failed, rows_defect};
 use heliotile_core::error::{Error, Result};
 
 type ArrowResult<T> = std::result::Result<T, ArrowError>;

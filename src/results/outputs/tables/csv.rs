@@ -16,8 +16,7 @@ use crate::outputs::sink::Sink;
 use crate::outputs::tables::batch::{Batch, Values};
 use crate::outputs::tables::column::{Along, BinValues, Column, Digits, Kind, TableColumns};
 use crate::outputs::tables::csvw;
-use crate::outputs::tables::format::{FormatWriter, TableRequest};
-use crate::outputs::tables::table::failed;
+use crate::outputs::tables::writer::{FormatWriter, TableRequest, failed};
 use heliotile_core::error::Result;
 
 /// Rows of a task, unless a single place has more of them. `TASKS_AT_ONCE` is the number of tasks

@@ -2,65 +2,17 @@
 //! writer of it.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
-use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
 use crate::outputs::tables::arrow::{ArrowTable, Packing};
-use crate::outputs::tables::batch::Batch;
-use crate::outputs::tables::column::TableColumns;
 use crate::outputs::tables::csv::CsvTable;
 use crate::outputs::tables::csvw;
 use crate::outputs::tables::npy::NpyTable;
 use crate::outputs::tables::npz::NpzTable;
 use crate::outputs::tables::parquet::ParquetTable;
+use crate::outputs::tables::writer::{FormatWriter, TableRequest};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::text::Message;
-
-/// Writer of a table in one format.
-pub trait FormatWriter {
-    /// Appends rows that fit the columns; the batch has at least one row.
-    fn write(&mut self, batch: &Batch) -> Result<()>;
-
-    /// Returns true if the reader of the output has gone away.
-    fn is_closed(&self) -> bool {
-        false
-    }
-
-    /// Completes the table and returns its size in bytes.
-    fn finish(self: Box<Self>) -> Result<u64>;
-}
-
-/// Table to start: path, columns, places and provenance.
-pub struct TableRequest<'a> {
-    /// Path of the file; `-` is CSV on standard output.
-    pub path: &'a Path,
-    pub columns: Arc<TableColumns>,
-    pub places: Places<'a>,
-    /// Provenance of the table. CSV without it has no metadata file.
-    pub about: Option<&'a Provenance>,
-}
-
-/// Places of a table's rows.
-#[derive(Clone, Copy)]
-pub struct Places<'a> {
-    /// Number of places. Only formats whose files begin with their size need it.
-    pub count: u64,
-    /// Function that returns the names of places in order. Only some formats call it, for tables
-    /// whose places are categories.
-    pub names: &'a dyn Fn() -> Result<Vec<String>>,
-}
-
-impl Places<'_> {
-    /// Returns `count` places that are no categories.
-    pub fn counted(count: u64) -> Self {
-        Places { count, names: &no_names }
-    }
-}
-
-fn no_names() -> Result<Vec<String>> {
-    Ok(Vec::new())
-}
 
 /// File format of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -291,6 +291,15 @@ heliotile_core::serde_by_name!(By);
 
 heliotile_core::parse_by_name!(By);
 
+/// Subject of the columns of results.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Question {
+    /// Irradiance of places.
+    Irradiance,
+    /// Irradiance before and after, and its change.
+    Change,
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

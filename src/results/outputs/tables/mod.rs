@@ -4,7 +4,7 @@
 //! ([`table`]). Out: a file in the format of its name's ending ([`mod@format`]), complete or not
 //! there at all, or CSV on standard output. Never: the meaning of values.
 //!
-//! A new format needs a file with a [`format::FormatWriter`] and its lines in `format.rs`; every
+//! A new format needs a file with a [`writer::FormatWriter`] and its lines in `format.rs`; every
 //! table can then be written in it.
 
 mod arrow;
@@ -23,6 +23,7 @@ mod numpy;
 mod parquet;
 pub mod records;
 pub mod table;
+pub mod writer;
 mod zone_name;
 
 pub use arrow::ArrowRows;

@@ -9,9 +9,8 @@ use serde_json::{Value, json};
 use crate::outputs::sink::Sink;
 use crate::outputs::tables::batch::Batch;
 use crate::outputs::tables::column::{Along, BinValues, Column};
-use crate::outputs::tables::format::{FormatWriter, TableRequest};
 use crate::outputs::tables::numpy::{NumpyArray, Units};
-use crate::outputs::tables::table::failed;
+use crate::outputs::tables::writer::{FormatWriter, TableRequest, failed};
 use heliotile_core::error::Result;
 
 /// Array and its axes being written.

@@ -16,9 +16,8 @@ use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
 use crate::outputs::tables::batch::Batch;
 use crate::outputs::tables::column::{Along, BinValues, Column};
-use crate::outputs::tables::format::{FormatWriter, TableRequest};
 use crate::outputs::tables::numpy::{COLUMN_AXIS, NumpyArray, Units, header};
-use crate::outputs::tables::table::failed;
+use crate::outputs::tables::writer::{FormatWriter, TableRequest, failed};
 use heliotile_core::error::Result;
 
 /// Archive of arrays being written.

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 use super::batch::{Batch, Values};
 use super::column::{Column, Kind, TableColumns};
-use super::table::rows_defect;
+use super::writer::rows_defect;
 use heliotile_core::error::Error;
 
 /// Alignment of the values, as NumPy writes them, so that they can be memory-mapped.

@@ -28,8 +28,7 @@ use crate::outputs::sink::Sink;
 use crate::outputs::tables::arrow;
 use crate::outputs::tables::batch::{Batch, Values};
 use crate::outputs::tables::column::{Along, BinValues, Column, Kind, TableColumns};
-use crate::outputs::tables::format::{FormatWriter, TableRequest};
-use crate::outputs::tables::table::failed;
+use crate::outputs::tables::writer::{FormatWriter, TableRequest, failed};
 use heliotile_core::error::Result;
 
 type ParquetResult<T> = std::result::Result<T, ParquetError>;

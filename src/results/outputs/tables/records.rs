@@ -3,42 +3,9 @@
 use std::path::Path;
 
 use super::column::Column;
-use super::table::Table;
+use super::table::{Cell, Table};
 use crate::outputs::provenance::Provenance;
 use heliotile_core::error::Result;
-
-/// Value of a row; all cells of a column are of one variant.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Cell {
-    Text(String),
-    Count(u64),
-    /// Number, or an empty cell.
-    Number(Option<f64>),
-}
-
-impl From<&str> for Cell {
-    fn from(text: &str) -> Self {
-        Cell::Text(text.to_owned())
-    }
-}
-
-impl From<&String> for Cell {
-    fn from(text: &String) -> Self {
-        Cell::Text(text.clone())
-    }
-}
-
-impl From<f64> for Cell {
-    fn from(number: f64) -> Self {
-        Cell::Number(Some(number))
-    }
-}
-
-impl From<Option<f64>> for Cell {
-    fn from(number: Option<f64>) -> Self {
-        Cell::Number(number)
-    }
-}
 
 /// Rows with their columns.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -7,8 +7,8 @@ use std::sync::Arc;
 use crate::outputs::provenance::Provenance;
 use crate::outputs::tables::batch::{Batch, Values};
 use crate::outputs::tables::column::{Column, Kind, TableColumns};
-use crate::outputs::tables::format::{Format, FormatWriter, Places, TableRequest};
-use crate::outputs::tables::records::Cell;
+use crate::outputs::tables::format::Format;
+use crate::outputs::tables::writer::{FormatWriter, Places, TableRequest, rows_defect};
 use heliotile_core::error::{Error, Result};
 
 /// Number of single rows that are in memory at a time.
@@ -19,6 +19,39 @@ const ROWS_AT_ONCE: usize = 1 << 15;
 pub struct Stats {
     pub rows: u64,
     pub bytes: u64,
+}
+
+/// Value of a row; all cells of a column are of one variant.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Cell {
+    Text(String),
+    Count(u64),
+    /// Number, or an empty cell.
+    Number(Option<f64>),
+}
+
+impl From<&str> for Cell {
+    fn from(text: &str) -> Self {
+        Cell::Text(text.to_owned())
+    }
+}
+
+impl From<&String> for Cell {
+    fn from(text: &String) -> Self {
+        Cell::Text(text.clone())
+    }
+}
+
+impl From<f64> for Cell {
+    fn from(number: f64) -> Self {
+        Cell::Number(Some(number))
+    }
+}
+
+impl From<Option<f64>> for Cell {
+    fn from(number: Option<f64>) -> Self {
+        Cell::Number(number)
+    }
 }
 
 /// Table being written.
@@ -115,24 +148,6 @@ fn empty(columns: &TableColumns) -> Vec<Values<'static>> {
         Kind::Number(_) | Kind::Float(_) => Values::Numbers(Vec::new()),
     };
     columns.in_batches().map(|column| of_kind(column.kind)).collect()
-}
-
-/// Returns the error for rows that do not fit the table at `path`.
-pub(super) fn rows_defect(path: &Path, what: String) -> Error {
-    Error::defect(path, "table", "rows", what)
-}
-
-/// Returns the error for a file that cannot be written, whichever library failed. An error of the
-/// system is reported without the library's words.
-pub(super) fn failed(path: &Path, error: impl std::error::Error + Send + Sync + 'static) -> Error {
-    let mut cause: Option<&(dyn std::error::Error + 'static)> = Some(&error);
-    while let Some(found) = cause {
-        if let Some(code) = found.downcast_ref::<std::io::Error>().and_then(std::io::Error::raw_os_error) {
-            return Error::io(path, "write to")(std::io::Error::from_raw_os_error(code));
-        }
-        cause = found.source();
-    }
-    Error::io(path, "write to")(std::io::Error::other(error))
 }
 
 #[cfg(test)]

@@ -5,8 +5,7 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
-use crate::formats::citygml::members::Side;
-use crate::formats::citygml::store::Store;
+use crate::formats::citygml::store::{Side, Store};
 
 /// Distance below which corners are one, metres.
 const WELD_M: f64 = 1e-3;

@@ -3,8 +3,7 @@
 //! note.
 
 use crate::formats::citygml::closed::is_closed;
-use crate::formats::citygml::members::Side;
-use crate::formats::citygml::store::Store;
+use crate::formats::citygml::store::{Side, Store};
 use crate::formats::cityjson::document::Lod;
 use crate::formats::cityjson::objects::{LEVELS_NAMED, NO_LEVEL, OTHER_LEVEL, Reader, level_of};
 use crate::formats::cityjson::surfaces::is_hull;

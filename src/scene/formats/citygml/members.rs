@@ -4,19 +4,11 @@
 use std::collections::HashSet;
 use std::ops::Range;
 
-use crate::formats::citygml::store::{Place, Store, Target};
+use crate::formats::citygml::store::{Place, Side, Store, Target};
 
 /// Deepest chain of references; real ones take two steps, from a solid to a composite surface to a
 /// polygon.
 const DEEPEST: usize = 16;
-
-/// A polygon of a geometry.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) struct Side {
-    pub polygon: u32,
-    /// True if the geometry uses the polygon reversed.
-    pub is_reversed: bool,
-}
 
 /// Result of following members.
 #[derive(Default)]

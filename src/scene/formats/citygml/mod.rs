@@ -64,10 +64,8 @@ use heliotile_files::input;
 use heliotile_files::input::budget::WorkBudget;
 use levels::Levels;
 use library::Library;
+pub(super) use plain_features::ENDINGS;
 use scan::{Draft, MEND, Scan};
-
-/// Endings of CityGML file names.
-pub(super) const ENDINGS: [&str; 3] = ["gml", "citygml", "xml"];
 
 /// Reads a city model.
 pub(super) fn read(path: &Path, asked: &ReadOptions) -> Result<Geometry> {

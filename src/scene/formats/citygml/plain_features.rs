@@ -11,7 +11,6 @@ use glam::DVec3;
 use serde_json::Value;
 
 use crate::formats::ReadOptions;
-use crate::formats::citygml::ENDINGS;
 use crate::formats::citygml::attributes::Attributes;
 use crate::formats::citygml::coordinates::{Coordinates, Unusable};
 use crate::formats::citygml::scan::is_collection;
@@ -42,6 +41,9 @@ const POLYGONS: [&str; 4] = ["Polygon", "PolygonPatch", "Triangle", "Rectangle"]
 /// Parts of the names of geometries without an area, and of curves that are not straight.
 const LINES: [&str; 3] = ["Point", "Curve", "LineString"];
 const BENT: [&str; 6] = ["Arc", "Circle", "Clothoid", "Spline", "Bezier", "Geodesic"];
+
+/// Endings of CityGML file names.
+pub(crate) const ENDINGS: [&str; 3] = ["gml", "citygml", "xml"];
 
 /// Reads the features of a collection; `None` if it has city objects with levels of detail, or no
 /// polygon.

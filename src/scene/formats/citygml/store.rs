@@ -6,8 +6,6 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use crate::formats::citygml::members::Side;
-
 /// Mark of the end of a ring among the corners.
 const END: u32 = u32::MAX;
 
@@ -220,4 +218,12 @@ impl Lifted {
     pub(super) fn corners(&self) -> u64 {
         self.polygons.iter().flat_map(|polygon| &polygon.rings).map(|ring| ring.len() as u64).sum()
     }
+}
+
+/// A polygon of a geometry.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct Side {
+    pub polygon: u32,
+    /// True if the geometry uses the polygon reversed.
+    pub is_reversed: bool,
 }

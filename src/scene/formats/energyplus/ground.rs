@@ -4,8 +4,7 @@
 use std::path::Path;
 
 use crate::formats::building::notes::Notes;
-use crate::formats::energyplus::materials::share;
-use crate::formats::energyplus::model::Model;
+use crate::formats::energyplus::model::{Model, share};
 use crate::ground::model::{ModelGround, USUAL};
 use heliotile_core::error::Result;
 

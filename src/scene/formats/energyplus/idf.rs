@@ -10,7 +10,6 @@ use std::path::Path;
 use crate::coordinate::MAX_COORDINATE_M;
 use crate::formats::energyplus::layout::Layout;
 use crate::formats::energyplus::model::{Model, Object, Value};
-use crate::formats::energyplus::vertex_error;
 use crate::model_version::ModelVersion;
 use crate::text::{excerpt, without_byte_order_mark};
 use heliotile_core::error::{Error, Result};
@@ -206,4 +205,10 @@ impl Current {
         }
         Ok(self.object)
     }
+}
+
+fn vertex_error(file: &Path, line: usize, title: &str, found: &str) -> Error {
+    let shown = crate::text::excerpt(found.as_bytes());
+    let what = format!("{title}: a coordinate is `{shown}`, not a number of at most 1e9 in size");
+    Error::input(file, line, what, "write a decimal number with a point, in metres")
 }

@@ -7,7 +7,7 @@ use std::path::Path;
 use crate::formats::building::notes::Notes;
 use crate::formats::building::optics;
 use crate::formats::building::optics::{ABSORPTANCE, LEAF_REFLECTANCE, Stated, glass_of_panes, panes_of_system};
-use crate::formats::energyplus::model::{Model, Object, same};
+use crate::formats::energyplus::model::{Model, Object, same, share, stated_share};
 use crate::formats::energyplus::panes;
 use crate::geometry::Geometry;
 use crate::materials::select::MaterialTable;
@@ -222,14 +222,4 @@ impl<'m> Materials<'m> {
             }
         }
     }
-}
-
-/// Returns a share of light, clamped to 0..=1, or `otherwise` if the model does not state it.
-pub(super) fn share(object: &Object, file: &Path, key: &str, otherwise: f64, notes: &mut Notes) -> Result<f64> {
-    Ok(optics::share(object.number_or(file, key, otherwise)?, &object.name, notes))
-}
-
-/// Returns a share of light, clamped to 0..=1, or `None` if the model does not state it.
-fn stated_share(object: &Object, file: &Path, key: &str, notes: &mut Notes) -> Result<Option<f64>> {
-    Ok(object.number(file, key)?.map(|value| optics::share(value, &object.name, notes)))
 }

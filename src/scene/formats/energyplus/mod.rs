@@ -15,6 +15,7 @@ mod place;
 #[cfg(test)]
 mod scene_tests;
 mod shades;
+mod surface;
 mod surfaces;
 #[cfg(test)]
 mod tests;
@@ -102,10 +103,4 @@ fn reference(model: &Model, file: &Path, notes: &mut Notes) -> Result<Option<Ref
         return Ok(None);
     }
     Ok(Some(Reference::Place { latitude_deg, longitude_deg }))
-}
-
-fn vertex_error(file: &Path, line: usize, title: &str, found: &str) -> Error {
-    let shown = crate::text::excerpt(found.as_bytes());
-    let what = format!("{title}: a coordinate is `{shown}`, not a number of at most 1e9 in size");
-    Error::input(file, line, what, "write a decimal number with a point, in metres")
 }

@@ -5,6 +5,8 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use crate::coordinate::MAX_COORDINATE_M;
+use crate::formats::building::notes::Notes;
+use crate::formats::building::optics;
 use crate::formats::energyplus::layout::Layout;
 use crate::model_version::ModelVersion;
 use crate::text::excerpt;
@@ -111,4 +113,14 @@ impl Object {
         let line = (self.line > 0).then_some(self.line);
         Error::input(file, line, format!("{}: {what}", self.title()), hint)
     }
+}
+
+/// Returns a share of light, clamped to 0..=1, or `otherwise` if the model does not state it.
+pub(super) fn share(object: &Object, file: &Path, key: &str, otherwise: f64, notes: &mut Notes) -> Result<f64> {
+    Ok(optics::share(object.number_or(file, key, otherwise)?, &object.name, notes))
+}
+
+/// Returns a share of light, clamped to 0..=1, or `None` if the model does not state it.
+pub(super) fn stated_share(object: &Object, file: &Path, key: &str, notes: &mut Notes) -> Result<Option<f64>> {
+    Ok(object.number(file, key)?.map(|value| optics::share(value, &object.name, notes)))
 }

@@ -4,8 +4,7 @@
 use std::path::Path;
 
 use crate::formats::building::notes::Notes;
-use crate::formats::energyplus::materials::share;
-use crate::formats::energyplus::model::Object;
+use crate::formats::energyplus::model::{Object, share};
 use heliotile_core::error::Result;
 
 /// Transmittance and reflectances of a pane at normal incidence.

@@ -16,6 +16,7 @@ use crate::formats::building::reasons::{ALL_WINDOW, BEYOND, INSIDE, TOO_FAR, TOO
 use crate::formats::energyplus::materials::Materials;
 use crate::formats::energyplus::model::{Model, Object, same};
 use crate::formats::energyplus::place::{Of, PlaceObject};
+use crate::formats::energyplus::surface::{AdjacentSpace, Surface};
 use crate::formats::energyplus::turned::turn_outwards;
 use crate::geometry::Geometry;
 use heliotile_core::error::Result;
@@ -24,28 +25,6 @@ use heliotile_core::site::semantics::{FaceNote, FaceSource, SurfaceKind};
 
 pub(super) const NO_SIZE: &str = "with a length, height or depth that is not above 0";
 const NO_BASE: &str = "because the surface that they name is not in the file";
-
-/// Space behind a surface, seen from its zone.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum AdjacentSpace {
-    Outdoors,
-    Ground,
-    /// Not stated: a wall to a neighbour, or one between zones.
-    Adiabatic,
-    Inside,
-}
-
-pub(super) struct Surface<'m> {
-    pub object: &'m Object,
-    pub vertices: Vec<DVec3>,
-    pub frame: Frame,
-    /// Index of the wall that an opening belongs to; a wall's own index for a wall.
-    pub base: usize,
-    behind: AdjacentSpace,
-    kind: SurfaceKind,
-    /// True if the sun may reach the surface: it lies outdoors and is not stated as `NoSun`.
-    exposed: bool,
-}
 
 /// Properties of a surface, as its class and fields state them.
 struct Said {

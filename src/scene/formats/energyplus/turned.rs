@@ -14,7 +14,7 @@ use crate::formats::building::notes::Notes;
 use crate::formats::building::outwards::facing_inwards;
 use crate::formats::building::reasons::TURNED_OPENINGS;
 use crate::formats::energyplus::model::same;
-use crate::formats::energyplus::surfaces::Surface;
+use crate::formats::energyplus::surface::Surface;
 
 const INWARDS: &str = "surfaces look into their zone and are turned round; reverse their vertices, because EnergyPlus lights their inner side";
 

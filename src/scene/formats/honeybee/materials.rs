@@ -6,9 +6,9 @@ use std::collections::HashMap;
 use crate::formats::building::notes::Notes;
 use crate::formats::building::optics::Stated;
 use crate::formats::honeybee::document::Model;
-use crate::formats::honeybee::optics::{Layers, of_construction, of_modifier, shade_transmittance};
+use crate::formats::honeybee::kind::{AdjacentSpace, Kind, Surface};
+use crate::formats::honeybee::optics::{Layers, find, of_construction, of_modifier, shade_transmittance};
 use crate::formats::honeybee::properties::{Construction, Layer, Modifier, Named, Schedule, Set, SubSet};
-use crate::formats::honeybee::surface::{AdjacentSpace, Kind, Surface};
 use crate::geometry::Geometry;
 use crate::materials::select::MaterialTable;
 use heliotile_core::site::material::{Class, Glass, Material};
@@ -123,14 +123,6 @@ impl<'d> Materials<'d> {
             return None;
         };
         of_construction(construction, &Layers(&self.layers), notes)
-    }
-}
-
-/// Returns the item of a name, or the item itself if it stands in place.
-pub(super) fn find<'n, T>(named: &'n Named<T>, all: &HashMap<&str, &'n T>) -> Option<&'n T> {
-    match named {
-        Named::By(name) => all.get(name.as_str()).copied(),
-        Named::Itself(itself) => Some(itself),
     }
 }
 

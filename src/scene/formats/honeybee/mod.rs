@@ -8,6 +8,7 @@ mod cut;
 mod document;
 #[cfg(test)]
 mod hostile_tests;
+mod kind;
 mod materials;
 mod optics;
 mod properties;

@@ -7,8 +7,7 @@ use crate::formats::building::notes::Notes;
 use crate::formats::building::optics::{
     ABSORPTANCE, LEAF_REFLECTANCE, glass_of_panes, panes_of_system, share, visible,
 };
-use crate::formats::honeybee::materials::find;
-use crate::formats::honeybee::properties::{Construction, Layer, Modifier, Schedule};
+use crate::formats::honeybee::properties::{Construction, Layer, Modifier, Named, Schedule};
 use heliotile_core::site::bands::BandOptics;
 use heliotile_core::site::material::{Class, Glass, Material};
 
@@ -132,4 +131,12 @@ pub(super) fn shade_transmittance(schedule: Option<&Schedule>, shade: &str, note
     let through = share(constant, shade, notes);
     let material = matt(&format!("shading transmittance {through}"), 0.0);
     (through > 0.0).then_some(Material { transmittance: Some(through), ..material })
+}
+
+/// Returns the item of a name, or the item itself if it stands in place.
+pub(super) fn find<'n, T>(named: &'n Named<T>, all: &HashMap<&str, &'n T>) -> Option<&'n T> {
+    match named {
+        Named::By(name) => all.get(name.as_str()).copied(),
+        Named::Itself(itself) => Some(itself),
+    }
 }

@@ -15,8 +15,9 @@ use crate::formats::building::outwards::facing_inwards;
 use crate::formats::building::reasons::{ALL_WINDOW, BEYOND, INSIDE, TOO_FAR, TURNED_OPENINGS};
 use crate::formats::honeybee::cut::cut;
 use crate::formats::honeybee::document::{Boundary, Face, FaceType, Model, Opening, Room, Shade, ShadeMesh};
+use crate::formats::honeybee::kind::{AdjacentSpace, Kind, Surface};
 use crate::formats::honeybee::materials::Materials;
-use crate::formats::honeybee::surface::{AdjacentSpace, Kind, Rings, Surface, Writer};
+use crate::formats::honeybee::surface::{Rings, Writer};
 use crate::geometry::Geometry;
 use heliotile_core::error::{Error, Result};
 

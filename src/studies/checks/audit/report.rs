@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use heliotile_builder::accuracy::estimate::percent;
+use heliotile_builder::accuracy::reference_sample::percent;
 use heliotile_builder::reference::comparison::{Deviation, Known, Pair, deviation, mean_w_m2, off};
 use heliotile_builder::reference::groups::by_sky_view;
 use heliotile_builder::reference::hours::{HoursFound, mix_of};

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use super::report::{AuditReport, WorstPair, in_percent};
-use heliotile_builder::accuracy::estimate::percent;
+use heliotile_builder::accuracy::reference_sample::percent;
 use heliotile_builder::reference::PARTS;
 use heliotile_builder::reference::comparison::{Known, Pair, off};
 use heliotile_core::error::Result;

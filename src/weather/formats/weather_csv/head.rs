@@ -11,7 +11,7 @@ use csv::{ReaderBuilder, Trim};
 use crate::formats::stamp_text::parse_stamp;
 use crate::formats::weather_csv::cells::{NumberStyle, is_missing};
 use crate::formats::weather_csv::names::{Quantity, match_name, squash};
-use crate::formats::weather_csv::stamp_columns::names_a_time;
+use crate::formats::weather_csv::time_names::names_a_time;
 use crate::formats::weather_csv::units::{Measure, Unit, parse_unit};
 use crate::judging::station::Station;
 use heliotile_core::error::{Error, Result};

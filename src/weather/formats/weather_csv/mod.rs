@@ -22,6 +22,7 @@ mod source;
 mod stamp_columns;
 #[cfg(test)]
 mod tests;
+mod time_names;
 mod units;
 
 use std::path::Path;

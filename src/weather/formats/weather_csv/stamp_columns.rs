@@ -6,43 +6,11 @@ use std::path::Path;
 use crate::formats::stamp_text::{parse_clock, parse_stamp};
 use crate::formats::weather_csv::head::{Head, Kind};
 use crate::formats::weather_csv::names::squash;
+use crate::formats::weather_csv::time_names::{DAY, END, HOUR, MIDDLE, MONTH, START, TIME, YEAR, bare, place_of};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::text::excerpt;
 use heliotile_core::weather::options::{DateOrder, StampedAt};
 use heliotile_core::weather::time::utc_offset::parse_zone;
-
-/// Names of a column of whole stamps, squashed, the usual ones first.
-const TIME: &[&str] = &[
-    "time",
-    "timestamp",
-    "datetime",
-    "date",
-    "valid_time",
-    "observationtime",
-    "observationperiod",
-    "date/time",
-    "dateandtime",
-    "time_stamp",
-    "messdatum",
-    "unixtime",
-    "unix",
-    "epoch",
-    "epochtime",
-    "index",
-    "datum",
-    "zeitstempel",
-    "day",
-];
-
-/// Names of a column of stamps at the start of intervals.
-const START: &[&str] =
-    &["periodstart", "intervalstart", "starttime", "timestart", "start", "from", "begin", "hourbeginning", "startdate"];
-/// Names of a column of stamps at the end of intervals.
-const END: &[&str] =
-    &["periodend", "intervalend", "endtime", "timeend", "end", "to", "hourending", "enddate", "periodending"];
-/// Names of a column of stamps in the middle of intervals.
-const MIDDLE: &[&str] =
-    &["periodmid", "periodmiddle", "midtime", "timemid", "intervalmid", "periodcenter", "periodcentre"];
 
 /// Names of a column of times of day, beside a column of dates.
 const CLOCK: &[&str] = &[
@@ -72,10 +40,6 @@ const CLOCK: &[&str] = &[
 const STANDARD_TIMES: [(&str, f64); 6] =
     [("mst", -7.0), ("pst", -8.0), ("est", -5.0), ("cst", -6.0), ("hst", -10.0), ("akst", -9.0)];
 
-const YEAR: &[&str] = &["year", "yyyy", "yr", "y"];
-const MONTH: &[&str] = &["month", "mo", "mm", "m"];
-const DAY: &[&str] = &["day", "dd", "dayofmonth", "dm", "dy", "d"];
-const HOUR: &[&str] = &["hour", "hr", "hh", "hourofday", "h"];
 const MINUTE: &[&str] = &["minute", "min", "mi", "minutes"];
 
 /// Names of a column with the length of an interval.
@@ -119,34 +83,12 @@ struct Found {
     at: Option<StampedAt>,
 }
 
-/// Returns a name without a zone and without text in brackets behind it.
-fn bare(name: &str) -> String {
-    let squashed = squash(name);
-    let plain = squashed.split(['(', '[']).next().unwrap_or_default();
-    let ends = ["utc", "gmt", "lst", "local", "iso8601", "iso"];
-    ends.iter().find_map(|end| plain.strip_suffix(end).filter(|start| !start.is_empty())).unwrap_or(plain).to_owned()
-}
-
-/// Returns the index of the first of the wanted names that exists.
-pub fn place_of(names: &[String], wanted: &[&str]) -> Option<usize> {
-    let plain: Vec<String> = names.iter().map(|name| bare(name)).collect();
-    wanted.iter().find_map(|wanted| plain.iter().position(|name| *name == squash(wanted)))
-}
-
 /// Returns true if a name is that of a column of time.
 pub fn is_time_name(name: &str) -> bool {
     let plain = bare(name);
     let lists =
         [TIME, START, END, MIDDLE, CLOCK, YEAR, MONTH, DAY, HOUR, MINUTE, PERIOD, &["second", "doy", "dayofyear"]];
     lists.iter().any(|names| names.iter().any(|name| squash(name) == plain))
-}
-
-/// Returns true if some column has a name of a time.
-pub fn names_a_time(names: &[String]) -> bool {
-    let has = |wanted: &[&str]| place_of(names, wanted).is_some();
-    [TIME, START, END, MIDDLE].into_iter().any(has)
-        || has(&["year"])
-        || has(DAY) && has(HOUR) && (has(MONTH) || has(YEAR))
 }
 
 impl StampColumns {

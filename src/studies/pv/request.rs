@@ -1,0 +1,190 @@
+//! Request for a study of modules. In: options. Out: checked values.
+
+use std::path::{Path, PathBuf};
+
+use heliotile_builder::planning::AccuracyRequest;
+use heliotile_core::orientation::fan::OrientationLimits;
+use heliotile_core::replay::reflectances::Snow;
+use heliotile_core::sky::model::SkyModel;
+use heliotile_core::weather::options::{StampedAt, WeatherOptions};
+use heliotile_requests::Request;
+use heliotile_results::outputs::tables::format::table_endings;
+use heliotile_scene::request::SceneRequest;
+
+/// Request for a study of modules.
+#[derive(Clone, Debug, Request)]
+#[request(exactly_one("points", "rows"))]
+pub struct PvRequest {
+    /// Scene around the modules.
+    #[field(flatten)]
+    pub scene: SceneRequest,
+    /// Weather file: EPW, TMY3, WEA, SURFRAD, CSV or JSON of a service (NSRDB, PVGIS, Open-Meteo,
+    /// Solcast), or any CSV or JSON with `time` and some of ghi, dni, dhi; also packed (.gz, .zip).
+    #[field(short = 'w', input = Weather, required)]
+    pub weather: PathBuf,
+    /// Facts about the weather file that it does not state itself.
+    #[field(flatten, without("latitude", "longitude"), heading = "About the weather file")]
+    pub about_weather: WeatherOptions,
+    /// Positions of modules, CSV with columns point,x,y, z or height (metres above the roof or
+    /// ground below), and tilt_deg,azimuth_deg (from true north; may be left out with --search).
+    #[field(short = 'p', metavar = "FILE", input = Any)]
+    pub points: Option<PathBuf>,
+    /// Rows of modules, TOML: each table `rows` has a name, an area or surface, tilt, azimuth,
+    /// pitch, width, height. Modules shade each other, reflect light to each other, and have a
+    /// front and a rear. `ground = 0.5` adds receivers on the ground among the rows, 0.5 m apart,
+    /// with the light that plants use.
+    #[field(short = 'r', metavar = "FILE", input = Any)]
+    pub rows: Option<PathBuf>,
+    /// Bifaciality, the share of the light on the rear that is added to that on the front, for
+    /// poa_global and the gain.
+    #[field(default = 0.8, range = 0.0..=1.0, says = "give a share from 0 to 1, as in 0.8")]
+    pub bifaciality: f64,
+    /// Folder to write: points.csv, months.csv, ground.csv, ground_months.csv, hourly.csv,
+    /// horizon/, best.csv and the archive site.helio.
+    #[field(name = "output", short = 'o', metavar = "FOLDER", output = Folder(&[]), required)]
+    pub folder: PathBuf,
+    /// Find the best tilt and azimuth of every point: best.csv, search.csv and a picture of each;
+    /// points without angles get the best ones.
+    #[field(requires("points"))]
+    pub search: bool,
+    /// Range of tilts for --search, degrees, such as 10..60, or one tilt.
+    #[field(metavar = "FROM..TO", default = "0..90", parse = parse_tilts)]
+    pub tilts_deg: [f64; 2],
+    /// Range of azimuths for --search, degrees clockwise from true north, such as 90..270, or
+    /// 300..60 through north, or one azimuth.
+    #[field(metavar = "FROM..TO", default = "0..360", parse = parse_azimuths)]
+    pub azimuths_deg: [f64; 2],
+    /// Model of the sky's radiance distribution.
+    #[field(help = SkyModel::described, default = "perez")]
+    pub sky: SkyModel,
+    /// Ending of the table of hours, which chooses its format.
+    #[field(default = "csv", choices = table_endings)]
+    pub format: String,
+    /// Write no hourly table, sums only.
+    #[field(conflicts("format"), negated = "no_hourly")]
+    pub hourly: bool,
+    /// Time that labels a row of hours: the start, middle or end of its interval.
+    #[field(default = "start")]
+    pub stamp: StampedAt,
+    /// Year of all dates in results, such as 2019; sun positions stay those of the weather file's
+    /// dates.
+    #[field(range = 1..=2999)]
+    pub year: Option<i32>,
+    /// Take the reflectance of all ground from the weather file: its snow depth (--snow-reflectance
+    /// from 1 cm on) or its albedo.
+    pub snow: Option<Snow>,
+    /// Diffuse reflectance of snow.
+    #[field(default = 0.6, requires("snow"), range = 0.0..=1.0, says = "give a share of the light, from 0 to 1")]
+    pub snow_reflectance: f64,
+    /// Accuracy of the archive.
+    #[field(flatten)]
+    pub accuracy: AccuracyRequest,
+    /// Replace results in the folder that are of another scene, points, accuracy or weather;
+    /// without this option they are an error.
+    #[field(neutral)]
+    pub replace: bool,
+}
+
+impl Default for PvRequest {
+    fn default() -> Self {
+        let mut request = PvRequest::new(SceneRequest::default(), "", "", "");
+        request.points = None;
+        request
+    }
+}
+
+impl PvRequest {
+    /// Returns a study of the modules of a table of points.
+    pub fn new(
+        scene: SceneRequest,
+        weather: impl Into<PathBuf>,
+        points: impl Into<PathBuf>,
+        folder: impl Into<PathBuf>,
+    ) -> Self {
+        PvRequest {
+            scene,
+            weather: weather.into(),
+            about_weather: WeatherOptions::default(),
+            points: Some(points.into()),
+            rows: None,
+            bifaciality: 0.8,
+            folder: folder.into(),
+            search: false,
+            tilts_deg: [0.0, 90.0],
+            azimuths_deg: [0.0, 360.0],
+            sky: SkyModel::default(),
+            format: "csv".to_owned(),
+            hourly: true,
+            stamp: StampedAt::default(),
+            year: None,
+            snow: None,
+            snow_reflectance: 0.6,
+            accuracy: AccuracyRequest::default(),
+            replace: false,
+        }
+    }
+
+    /// Returns the table of points, for messages.
+    pub(super) fn points_file(&self) -> &Path {
+        self.points.as_deref().unwrap_or(Path::new(""))
+    }
+
+    /// Returns the file of rows.
+    pub(super) fn rows_file(&self) -> &Path {
+        self.rows.as_deref().unwrap_or(Path::new(""))
+    }
+
+    /// Returns the orientations that a search may choose.
+    pub(super) fn limits(&self) -> OrientationLimits {
+        OrientationLimits { tilts_deg: self.tilts_deg, azimuths_deg: self.azimuths_deg }
+    }
+}
+
+/// Parses `10..60`, or one number for both ends.
+fn parse_range(text: &str) -> std::result::Result<[f64; 2], String> {
+    let number = |part: &str| match part.trim().parse::<f64>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        _ => Err(format!("`{part}` is not a number: give degrees, as in 10..60")),
+    };
+    match text.split_once("..") {
+        Some((from, to)) => Ok([number(from)?, number(to)?]),
+        None => Ok([number(text)?; 2]),
+    }
+}
+
+fn parse_tilts(text: &str) -> std::result::Result<[f64; 2], String> {
+    match parse_range(text)? {
+        [from, to] if 0.0 <= from && from <= to && to <= 180.0 => Ok([from, to]),
+        _ => Err("tilts are from 0 (up) to 180 (down), the smaller one first".into()),
+    }
+}
+
+fn parse_azimuths(text: &str) -> std::result::Result<[f64; 2], String> {
+    let [from, to] = parse_range(text)?;
+    if [from, to].iter().any(|azimuth| azimuth.abs() > 360.0) {
+        return Err("azimuths are from -360 to 360, clockwise from true north".into());
+    }
+    let to = if to < from { to + 360.0 } else { to };
+    if to - from > 360.0 {
+        Err("the range is more than a full circle: give azimuths as in 90..270".into())
+    } else {
+        Ok([from, to])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Ranges, one number and a sector over north are read; 7 wrong texts are refused.
+    #[test]
+    fn ranges_of_azimuths_may_cross_north() {
+        assert_eq!((parse_tilts("10..60"), parse_tilts("30")), (Ok([10.0, 60.0]), Ok([30.0, 30.0])));
+        assert_eq!((parse_azimuths("300..60"), parse_azimuths("180")), (Ok([300.0, 420.0]), Ok([180.0, 180.0])));
+        assert_eq!(parse_azimuths("-90..90"), Ok([-90.0, 90.0]));
+        for text in ["", "200", "60..10", "a..b", "-1..30"] {
+            assert!(parse_tilts(text).is_err(), "{text}");
+        }
+        assert!(parse_azimuths("-360..360").is_err() && parse_azimuths("0..400").is_err());
+    }
+}
