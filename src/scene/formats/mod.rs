@@ -5,7 +5,6 @@
 //! that these name, and the files of the same name beside a raster or a shapefile.
 
 mod ascii_grid;
-mod asked;
 mod building;
 mod citygml;
 mod cityjson;
@@ -22,6 +21,7 @@ mod ply;
 mod ply_body;
 mod ply_header;
 mod projections;
+mod read_options;
 mod sidecar;
 mod stl;
 #[cfg(test)]
@@ -40,11 +40,11 @@ use crate::geocentric::{is_geocentric, to_local};
 use crate::geometry::Geometry;
 use crate::terrain::raster::Raster;
 use crate::text::{excerpt, utf8};
-pub(super) use asked::{ReadOptions, stem};
 use features::FeatureFormat;
 use heliotile_core::error::{Error, Result};
 use heliotile_files::input;
 use heliotile_files::input::NamedBytes;
+pub(super) use read_options::{ReadOptions, stem};
 
 /// Content of a scene file: polygons, or a raster of terrain heights.
 pub(super) enum Content {
