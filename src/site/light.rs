@@ -20,6 +20,15 @@ pub struct SiteReplay<'a> {
     pub(super) _guard: OutputGuard,
 }
 
+/// Sum of a receiver over a weather file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReceiverTotal {
+    /// Name of the receiver.
+    pub id: String,
+    /// Irradiation, kWh/m2.
+    pub kwh_m2: f64,
+}
+
 impl SiteReplay<'_> {
     /// Returns the receivers.
     pub fn receivers(&self) -> &ReceiverSet<'_> {

@@ -31,7 +31,7 @@ use heliotile_studies::{
     AuditReport, AuditRequest, SunlightDone, SunlightRequest, SunlightSite, UpdateDone, UpdateRequest,
 };
 
-pub use light::SiteReplay;
+pub use light::{ReceiverTotal, SiteReplay};
 pub use opening::SiteOptions;
 
 /// An open archive, or the open parts of an atlas. Clones share the open files, and several threads
@@ -52,15 +52,6 @@ pub struct Site {
     sources: Arc<Sources>,
     place: PathBuf,
     options: SiteOptions,
-}
-
-/// Sum of a receiver over a weather file.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ReceiverTotal {
-    /// Name of the receiver.
-    pub id: String,
-    /// Irradiation, kWh/m2.
-    pub kwh_m2: f64,
 }
 
 impl Site {

@@ -51,7 +51,7 @@ pub struct CoverRequest {
     #[field(flatten)]
     pub density: Density,
     /// Distance of receivers from their surfaces.
-    #[field(metavar = "LENGTH", default = "20mm", parse = parse_metres, range = LENGTHS_M, says = "give a length from 1mm to 10km")]
+    #[field(metavar = "LENGTH", default = "20mm", parse = parse_metres, range = LENGTHS_M, says = "give a length from 1mm to 10km, such as 2m, 50cm or 20mm")]
     pub offset_m: f64,
     /// Least area of a surface that gets receivers, m2.
     #[field(metavar = "AREA", default = 0.1, range = AREAS_M2, says = "give an area from 0 to 1e9, in square metres")]

@@ -307,7 +307,7 @@ fn wrong_questions_are_refused() {
         (format!("comfort roof.helio -w {weather}"), "no receiver `roof/down`"),
         (format!("comfort roof.helio -w {weather} --points p.csv"), "an archive states where people stand"),
         (format!("comfort plain.obj {place} --points low.csv -w {weather}"), "lies below the ground"),
-        (format!("comfort plain.obj {place} --points p.csv -w {weather} --film 0"), "is 0 W/m2K"),
+        (format!("comfort plain.obj {place} --points p.csv -w {weather} --film 0"), "give 10 to 200 W/m2K"),
         (format!("comfort plain.obj {place} --on roof -w {weather}"), "roof"),
         (format!("comfort plain.obj {place} --points p.csv -w {weather} --emissivity wall=0.9"), "is not a class"),
         (format!("comfort plain.obj {place} --points p.csv -w {weather} --wind 9"), "the wind factor 9"),

@@ -102,7 +102,7 @@ fn wrong_requests_are_refused_with_possible_values() {
             "the scene has: surfaces of roof (2), wall (8), ground (1), floor (2); materials brick, grass",
         ),
         ("a.obj --on window", "the scene has no surface of window"),
-        ("a.obj --spacing 2ft", "is not a length"),
+        ("a.obj --spacing 2ft", "give a length from 1mm to 10km, such as 2m"),
         ("a.obj --on floor", "no receiver is left: 0 receivers on 2 surfaces"),
         ("a.obj b.abc", "ends with .abc"),
     ] {

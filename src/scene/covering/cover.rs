@@ -35,7 +35,7 @@ pub const LENGTHS_M: RangeInclusive<f64> = 0.001..=10_000.0;
 #[derive(Default, Request)]
 struct DensityFields {
     /// Distance between receivers, such as 2m or 50cm.
-    #[field(metavar = "LENGTH", default = "2m", conflicts("per_surface"), parse = parse_metres, range = LENGTHS_M, says = "give a length from 1mm to 10km")]
+    #[field(metavar = "LENGTH", default = "2m", conflicts("per_surface"), parse = parse_metres, range = LENGTHS_M, says = "give a length from 1mm to 10km, such as 2m, 50cm or 20mm")]
     spacing_m: Option<f64>,
     /// Number of receivers on each surface, in place of --spacing.
     #[field(metavar = "N", range = 1..=1_000_000)]
