@@ -391,7 +391,7 @@ pub fn flag(texts: &[String]) -> Result<bool, Wrong> {
     }
 }
 
-/// Returns a number within a range; `says` is the answer to any other text. For the derive.
+/// Returns a number within a range; `says` is the advice for any other text. For the derive.
 pub fn within<T: Number>(
     read: Result<T, Wrong>,
     text: &str,
@@ -402,10 +402,12 @@ pub fn within<T: Number>(
     let problem = match read {
         Ok(number) if range.contains(&number) => return Ok(number),
         Ok(number) => Problem::OutOfRange { found: number.as_f64(), least: least.as_f64(), most: most.as_f64() },
+        // The reader of the type says more than a range.
+        Err(wrong) if !wrong.hint.is_empty() => return Err(wrong),
         Err(wrong) => wrong.problem,
     };
-    let says = says.map_or_else(|| format!("{text} is not in {least}..={most}"), str::to_owned);
-    Err(Wrong { problem, ..says.into() })
+    let hint = says.unwrap_or_default().to_owned();
+    Err(Wrong { problem, what: format!("{text} is not in {least}..={most}"), hint })
 }
 
 /// Number with a range.
