@@ -89,6 +89,7 @@ def energyplus(model: str | os.PathLike[str], output: str | os.PathLike[str], **
     `delete_surroundings`. The options are those of `heliotile.options.EnergyplusOptions`.
     """
     file_only(options.get("weather"))
+    file_only(options.get("error_weather"))
     keywords = asked("energyplus", EnergyplusOptions, options, model=model, output=output)
     _heliotile.energyplus(keywords.args(), options.get("progress"))
     return os.fspath(output)

@@ -1,6 +1,7 @@
 //! Questions that an open site answers by files. In: a site, keywords. Out: files, and a summary as
 //! JSON.
 
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 
@@ -49,9 +50,10 @@ pub fn ask(
         "sunlight" => asked.run::<Sunlight, _>(py, ARCHIVE, progress, |args, about, resources| {
             Ok(json!(chosen(about)?.sunlight(&args.request, &args.files, resources)?))
         }),
-        _ => asked.run::<Glare, _>(py, ARCHIVE, progress, |args, about, resources| {
+        "glare" => asked.run::<Glare, _>(py, ARCHIVE, progress, |args, about, resources| {
             Ok(json!(chosen(about)?.sunlight(&args.request(), &args.files, resources)?))
         }),
+        other => Err(PyValueError::new_err(format!("`{other}` is no question"))),
     };
     found.map(|found| found.to_string())
 }

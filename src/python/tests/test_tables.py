@@ -208,5 +208,6 @@ def test_every_call_takes_weather_of_a_table(block: heliotile.Archive, frame: pd
     assert found["file"] == found["table"]
     with pytest.raises(heliotile.ArgumentError, match="error_weather: is another table with the name"):
         heliotile.build(scene, receivers, tmp_path / "two.helio", error=5.0, weather=frame, negligible=0.1, error_weather=frame * 0.5)
-    with pytest.raises(heliotile.ArgumentError, match="from a file only"):
-        heliotile.energyplus(tmp_path / "model.idf", tmp_path / "out", weather=frame)
+    for option in ["weather", "error_weather"]:
+        with pytest.raises(heliotile.ArgumentError, match="from a file only"):
+            heliotile.energyplus(tmp_path / "model.idf", tmp_path / "out", **{option: frame})

@@ -79,31 +79,27 @@ impl<'b> Body<'b> {
 
     #[inline]
     fn binary(&mut self, kind: Kind) -> Result<f64> {
-        let found = match (kind, self.encoding == Encoding::BigEndian) {
-            (Kind::I8, _) => self.bytes().map(|bytes| f64::from(i8::from_le_bytes(bytes))),
-            (Kind::U8, _) => self.bytes().map(|bytes| f64::from(u8::from_le_bytes(bytes))),
-            (Kind::I16, false) => self.bytes().map(|bytes| f64::from(i16::from_le_bytes(bytes))),
-            (Kind::I16, true) => self.bytes().map(|bytes| f64::from(i16::from_be_bytes(bytes))),
-            (Kind::U16, false) => self.bytes().map(|bytes| f64::from(u16::from_le_bytes(bytes))),
-            (Kind::U16, true) => self.bytes().map(|bytes| f64::from(u16::from_be_bytes(bytes))),
-            (Kind::I32, false) => self.bytes().map(|bytes| f64::from(i32::from_le_bytes(bytes))),
-            (Kind::I32, true) => self.bytes().map(|bytes| f64::from(i32::from_be_bytes(bytes))),
-            (Kind::U32, false) => self.bytes().map(|bytes| f64::from(u32::from_le_bytes(bytes))),
-            (Kind::U32, true) => self.bytes().map(|bytes| f64::from(u32::from_be_bytes(bytes))),
-            (Kind::F32, false) => self.bytes().map(|bytes| f64::from(f32::from_le_bytes(bytes))),
-            (Kind::F32, true) => self.bytes().map(|bytes| f64::from(f32::from_be_bytes(bytes))),
-            (Kind::F64, false) => self.bytes().map(f64::from_le_bytes),
-            (Kind::F64, true) => self.bytes().map(f64::from_be_bytes),
+        let Some((head, rest)) = self.rest.split_at_checked(kind.size()) else {
+            return Err(self.ends());
         };
-        found.ok_or_else(|| self.ends())
-    }
-
-    /// Takes the next bytes; `None` if there are fewer.
-    #[inline]
-    fn bytes<const COUNT: usize>(&mut self) -> Option<[u8; COUNT]> {
-        let (bytes, rest) = self.rest.split_first_chunk()?;
         self.rest = rest;
-        Some(*bytes)
+        let mut bytes = [0; 8];
+        // `bytes` hold the least significant byte first from here on.
+        bytes.iter_mut().zip(head).for_each(|(to, from)| *to = *from);
+        if self.encoding == Encoding::BigEndian {
+            bytes.iter_mut().zip(head.iter().rev()).for_each(|(to, from)| *to = *from);
+        }
+        let bits = u64::from_le_bytes(bytes);
+        Ok(match kind {
+            Kind::I8 => f64::from(bits as i8),
+            Kind::U8 => f64::from(bits as u8),
+            Kind::I16 => f64::from(bits as i16),
+            Kind::U16 => f64::from(bits as u16),
+            Kind::I32 => f64::from(bits as i32),
+            Kind::U32 => f64::from(bits as u32),
+            Kind::F32 => f64::from(f32::from_bits(bits as u32)),
+            Kind::F64 => f64::from_bits(bits),
+        })
     }
 
     /// Reads the length of a list, as the file claims it; its values may be missing.
