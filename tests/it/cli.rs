@@ -92,10 +92,10 @@ fn errors_are_json_on_request() {
     folder.write("bad.csv", "condition,sun_azimuth_deg\nnoon,180\n");
     folder.write("nan.csv", "receiver,x,y,z,nx,ny,nz\na,NaN,0,0,0,0,1\n");
     for (arguments, kind, problem, about) in [
-        ("nothing", "usage", "invalid-subcommand", "nothing"),
-        ("info --nothing", "usage", "unknown-argument", "--nothing"),
-        ("build scene.obj --quality best", "usage", "invalid-value", "--quality"),
-        ("build scene.obj --error 0%", "usage", "value-validation", "--error"),
+        ("nothing", "argument", "unknown", "nothing"),
+        ("info --nothing", "argument", "unknown", "--nothing"),
+        ("build scene.obj --quality best", "argument", "unknown", "--quality"),
+        ("replay site.helio --steps 99", "argument", "out-of-range", "--steps"),
         ("build scene.obj", "argument", "missing", "--receivers"),
         ("build scene.obj -r receivers.csv -o a.helio --set nothing=1", "argument", "unknown", "set"),
         ("build scene.obj -r nan.csv -o a.helio", "input", "other", "nan.csv"),

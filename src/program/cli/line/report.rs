@@ -1,11 +1,14 @@
 //! The message of an error that ends the program. In: an error. Out: text for people, or a line of
 //! JSON for programs, as `HELIOTILE_ERRORS=json` asks.
 
-use clap::error::{ContextKind, ContextValue};
+use std::error::Error as _;
+
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use serde_json::{Map, Value, json};
 
 use super::wording::worded;
 use heliotile::Error;
+use heliotile::requests::Wrong;
 
 /// Variable of the environment that, with the value `json`, asks for JSON.
 const ERRORS: &str = "HELIOTILE_ERRORS";
@@ -47,10 +50,11 @@ pub fn report_usage(error: &clap::Error) -> Option<String> {
         ContextValue::String(word) => Some(word.split([' ', '=']).next().unwrap_or_default().to_owned()),
         _ => None,
     };
-    let problem = format!("{:?}", error.kind());
     let fields: Vec<String> =
         word(ContextKind::InvalidArg).or_else(|| word(ContextKind::InvalidSubcommand)).into_iter().collect();
-    let facts = [("kind", "usage".into()), ("problem", dashed(&problem).into()), ("fields", json!(fields))];
+    let wrong = error.source().and_then(|source| source.downcast_ref::<Wrong>());
+    let problem = wrong.map_or_else(|| problem_of(error.kind()), |wrong| wrong.problem.name());
+    let facts = [("kind", "argument".into()), ("problem", problem.into()), ("fields", json!(fields))];
     let text = error.render().to_string();
     let text = text.strip_prefix("error: ").unwrap_or(&text).trim_end();
     Some(line(facts.into_iter().map(|(name, value)| (name.to_owned(), value)).collect(), text, None))
@@ -66,11 +70,12 @@ fn line(mut facts: Map<String, Value>, message: &str, fix: Option<&str>) -> Stri
     Value::Object(facts).to_string() + "\n"
 }
 
-/// Returns `InvalidValue` as `invalid-value`.
-fn dashed(name: &str) -> String {
-    let dash = |(at, letter): (usize, char)| {
-        let dash = (at > 0 && letter.is_uppercase()).then_some('-');
-        dash.into_iter().chain(letter.to_lowercase())
-    };
-    name.chars().enumerate().flat_map(dash).collect()
+/// Returns the name of the problem that a command line has, as requests name it.
+fn problem_of(kind: ErrorKind) -> &'static str {
+    match kind {
+        ErrorKind::InvalidValue | ErrorKind::UnknownArgument | ErrorKind::InvalidSubcommand => "unknown",
+        ErrorKind::MissingRequiredArgument | ErrorKind::MissingSubcommand => "missing",
+        ErrorKind::ArgumentConflict => "excludes",
+        _ => "other",
+    }
 }
