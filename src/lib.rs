@@ -68,7 +68,7 @@ pub mod book;
 pub mod cases;
 mod site;
 
-pub use heliotile_archives::transfer::{Bounds, Selection};
+pub use heliotile_archives::transfer::{Bounds, ExtractContent, Selection};
 pub use heliotile_builder::pipeline::{Output, Start};
 pub use heliotile_builder::planning::{AccuracyRequest, BuildDone, EffectsUnder, PlanReport};
 pub use heliotile_builder::settings::{EffectChoice, Quality, Share};

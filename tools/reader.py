@@ -73,7 +73,7 @@ OBJECTS = [(name, "s", text(0)) for name in ("name", "object", "building", "obje
 OBJECTS += [("beside", "1B", share), ("row", "1H", None), ("attributes", "s", text(0, 16384))]
 BANDS = [("material", "1H", None), ("property", "1B", lambda p: p <= 3), ("band", "1B", lambda b: b <= 4),
          ("value", "1d", share)]
-KINDS = {1: ("receivers", 1, RECEIVERS), 2: ("sky", 1, None), 3: ("hit", 3, None), 4: ("response", 2, None),
+KINDS = {1: ("receivers", 1, RECEIVERS), 2: ("sky", 1, None), 3: ("hit", 4, None), 4: ("response", 2, None),
          5: ("probes", 4, CELLS), 6: ("bounce", 4, CELLS), 7: ("index", 2, KEY), 8: ("mirror", 2, None),
          9: ("canopy", 2, None), 10: ("materials", 2, MATERIALS), 11: ("optics", 1, OPTICS),
          12: ("probe-mirror", 2, None), 13: ("bounce-mirror", 2, None), 14: ("probe-canopy", 2, None),
@@ -522,7 +522,7 @@ class Archive:
         slots = [SLOT(*struct.unpack("<8sHHI9Q32s384s8s", s)) for s, counts in zip(slots, self.counts) if counts]
         need(slots, "the header is damaged: both slots")
         for s in slots:
-            need((s.major, s.minor) == (1, 6), f"format {s.major}.{s.minor}, this program reads 1.6")
+            need((s.major, s.minor) == (1, 7), f"format {s.major}.{s.minor}, this program reads 1.7")
             need(s.required == 0, f"unknown required features {s.required:#x}")
         slots = [s for s in slots if s.state == 1]
         need(slots, "the archive was not finished")

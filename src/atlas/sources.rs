@@ -20,14 +20,18 @@ pub fn archives(atlas: &Path, within: Option<Bounds>, access: Access) -> Result<
 }
 
 /// Opens the archive at a place; in an atlas, the archive of the part that holds the chosen
-/// receivers. An error: several parts hold some.
-pub fn holding(place: &Path, chosen: &Selection, access: Access, workspace: &Workspace) -> Result<Archive> {
+/// receivers, or any. An error: several parts hold some.
+pub fn holding(place: &Path, chosen: Option<&Selection>, access: Access, workspace: &Workspace) -> Result<Archive> {
     let Some(atlas) = Atlas::find(place)? else { return open_archive(place, access) };
-    let within = if let Selection::Bounds(bounds) = chosen { Some(*bounds) } else { None };
+    let within = if let Some(Selection::Bounds(bounds)) = chosen { Some(*bounds) } else { None };
     let sources = sources_of(&atlas, within, access)?;
     let counts = {
         let sites = sources.borrowed().iter().map(OpenSite::open).collect::<Result<Vec<_>>>()?;
-        let kept = chosen.resolve(&sites, &workspace.folder, workspace.memory.length(Use::ReceiverList))?;
+        let budget = workspace.memory.length(Use::ReceiverList);
+        let kept = match chosen {
+            Some(chosen) => chosen.resolve(&sites, &workspace.folder, budget)?,
+            None => vec![true; sites.iter().map(OpenSite::receivers).sum::<u64>() as usize],
+        };
         let mut kept = kept.into_iter();
         let count = |site: &OpenSite| kept.by_ref().take(site.receivers() as usize).filter(|kept| *kept).count();
         sites.iter().map(count).collect::<Vec<_>>()

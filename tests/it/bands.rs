@@ -136,8 +136,8 @@ fn bands_add_up() {
     let folder = Folder::new();
     let half = |name: &str| format!("[[band]]\nname = \"{name}\"\nsun = 0.5\nsky = 0.5\n");
     folder.write("own.toml", &format!("partition = true\n{}{}", half("half"), half("rest")));
-    let site = archive("v1.6-mirrors").display().to_string();
-    let conditions = data("../archives/v1.6-mirrors.conditions.csv").display().to_string();
+    let site = archive("v1.7-mirrors").display().to_string();
+    let conditions = data("../archives/v1.7-mirrors.conditions.csv").display().to_string();
     let weather = golden().display().to_string();
     let bands = "--columns total --bands own.toml,uv,visible,nir";
     for (command, unit) in [
@@ -171,7 +171,7 @@ fn two_halves_sum_to_the_total_in_all_digits() {
         "own.toml",
         "[[band]]\nname = \"half\"\nsun = 0.5\nsky = 0.5\n[[band]]\nname = \"rest\"\nsun = 0.5\nsky = 0.5\n",
     );
-    let command = format!("replay {} --weather {}", archive("v1.6-mirrors").display(), golden().display());
+    let command = format!("replay {} --weather {}", archive("v1.7-mirrors").display(), golden().display());
     run(&folder, &format!("{command} --columns total --bands own.toml -o out.npy"));
     let bytes = fs::read(folder.path("out.npy")).expect("an array");
     let header = usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));

@@ -30,7 +30,7 @@ fn started(folder: &Folder, arguments: &str) -> Child {
 #[test]
 fn two_runs_into_one_table_leave_files_of_one() {
     let folder = Folder::new();
-    let archive = format!("{ROOT}/tests/data/archives/v1.6-box.helio");
+    let archive = format!("{ROOT}/tests/data/archives/v1.7-box.helio");
     let weather = format!("{ROOT}/tests/data/weather/golden_tmy3.epw");
     let command =
         |column: &str| format!("replay {archive} --weather {weather} --columns {column} --every hour -o t.csv");
@@ -60,7 +60,7 @@ fn two_runs_into_one_table_leave_files_of_one() {
 #[test]
 fn one_file_is_not_two() {
     let folder = Folder::new();
-    let archive = format!("{ROOT}/tests/data/archives/v1.6-box.helio");
+    let archive = format!("{ROOT}/tests/data/archives/v1.7-box.helio");
     let weather = format!("{ROOT}/tests/data/weather/golden_3_days.epw");
     fs::create_dir(folder.path("d")).expect("made");
     fs::copy(&archive, folder.path("z.helio.partial")).expect("copied");
@@ -86,7 +86,7 @@ fn one_file_is_not_two() {
 #[cfg(unix)]
 fn files_beside_an_output_keep_their_bytes() {
     let folder = Folder::new();
-    let archive = format!("{ROOT}/tests/data/archives/v1.6-box.helio");
+    let archive = format!("{ROOT}/tests/data/archives/v1.7-box.helio");
     let weather = format!("{ROOT}/tests/data/weather/golden_3_days.epw");
     fs::copy(&weather, folder.path("y.csv.partial")).expect("copied");
     folder.write("mine.txt", "mine");

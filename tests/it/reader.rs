@@ -34,7 +34,7 @@ type Arrays = Vec<(&'static str, Vec<u8>)>;
 
 /// The golden archives, which together hold blocks of all kinds: their names, and the number of
 /// arrays of each.
-const GOLDEN: [(&str, usize); 3] = [("v1.6-box", 98), ("v1.6-mirrors", 78), ("v1.6-bands", 62)];
+const GOLDEN: [(&str, usize); 3] = [("v1.7-box", 98), ("v1.7-mirrors", 78), ("v1.7-bands", 62)];
 
 /// Returns the path of a file of a golden archive: `.helio`, the outputs of `reader.py` and of
 /// `query`, and the conditions.
@@ -429,14 +429,14 @@ fn golden_rows_stay() {
 fn archives_of_other_formats_are_refused_by_all_commands() {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let [old, part, map] = ["old.helio", "part.helio", "roof.exr"].map(|name| folder.path().join(name));
-    let mut bytes = fs::read(golden("v1.6-mirrors", "helio")).expect("an archive");
+    let mut bytes = fs::read(golden("v1.7-mirrors", "helio")).expect("an archive");
     for start in SLOT_OFFSETS.map(|offset| offset as usize) {
         let slot = bytes.get_mut(start..start + SLOT_SIZE).expect("a slot");
         let of_then = Slot { minor: 5, ..Slot::decode(slot).expect("a whole slot") };
         slot.copy_from_slice(&of_then.encode());
     }
     fs::write(&old, &bytes).expect("a writable folder");
-    let conditions = golden("v1.6-mirrors", "conditions.csv");
+    let conditions = golden("v1.7-mirrors", "conditions.csv");
     for arguments in [
         vec!["info".as_ref(), old.as_os_str()],
         vec!["archive".as_ref(), "verify".as_ref(), old.as_ref()],
@@ -458,7 +458,7 @@ fn archives_of_other_formats_are_refused_by_all_commands() {
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
         let expected = format!(
-            "{}: format of the archive: found format 1.5, this release supports format 1.6 only: build the archive again",
+            "{}: format of the archive: found format 1.6, this release supports format 1.7 only: build the archive again",
             old.display()
         );
         assert!(said.contains(&expected), "{arguments:?}: {said}");

@@ -6,7 +6,7 @@
     rungs.py HELIOTILE FOLDER --before EARLIER                  each by an earlier program, too
 
 FOLDER holds sites as `sites.py` writes them, and maybe others: scene.obj or scene.city.json, receivers.csv, maybe materials.toml. The
-reference path tracer follows paths once for up to 400 receivers of a site under 60 suns and skies (kept in FOLDER/SITE/truth); every archive is asked for the same.
+reference path tracer follows paths once for up to 128 receivers of a site under 60 suns and skies (kept in FOLDER/SITE/truth); every archive is asked for the same.
 RMSE and bias of the total, of the sun and the sky seen directly and of light of either that is reflected, in percent of the mean total; the
 path tracer's own noise is taken off. CPU milliseconds and bytes are those of a receiver.
 """
@@ -21,6 +21,7 @@ from targets import run, write_suns
 
 LIGHTS = {"direct": ("sun_direct", "sky_direct", "sun_mirrored", "sky_mirrored"), "sun_reflected": ("sun_reflected",), "sky_reflected": ("sky_reflected",)}
 SUNS = 60
+SAMPLES = 128
 
 
 def rows(path):
@@ -44,7 +45,7 @@ def truth_of(program, at, suns, paths):
     if not os.path.exists(f"{at}/truth/audit.csv"):
         with tempfile.TemporaryDirectory() as scratch:
             build(program, at, f"{scratch}/site.helio", "standard")
-            run(program, "archive", "audit", f"{scratch}/site.helio", *scene_of(at), "--conditions", suns, "--samples", "400", "--paths", str(paths),
+            run(program, "archive", "audit", f"{scratch}/site.helio", *scene_of(at), "--conditions", suns, "--samples", str(SAMPLES), "--paths", str(paths),
                 "--seed", "7", "-o", f"{at}/truth")
     value = lambda row, names, kind, power: sum(float(row[f"{name}_{kind}_w_m2"]) ** power for name in names)
     of = lambda row: {light: (value(row, names, "reference", 1), value(row, names, "standard_error", 2)) for light, names in LIGHTS.items()}

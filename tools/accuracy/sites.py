@@ -29,6 +29,7 @@ class Site:
 
     def __init__(self, materials):
         self.materials, self.lines, self.receivers, self.vertices = materials, [], [], 0
+        self.leaves = {}  # transmittance of leaves by material
 
     def face(self, material, *corners):
         self.lines.append(f"usemtl {material}")
@@ -58,6 +59,7 @@ class Site:
             for name, (diffuse, kind, *specular) in self.materials.items():
                 out.write(f'[{name}]\ndiffuse = {diffuse}\nclass = "{kind}"\n')
                 out.writelines(f"specular = {share}\n" for share in specular)
+            out.writelines(f"[{name}]\ntransmittance = {share}\n" for name, share in self.leaves.items())
         with open(f"{folder}/receivers.csv", "w") as out:
             out.write("receiver,x,y,z,nx,ny,nz\n" + "\n".join(self.receivers) + "\n")
 

@@ -35,7 +35,7 @@ mod tests {
     fn brighter_ground_gives_more() {
         let folder = tempfile::tempdir().expect("a folder");
         let data = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/archives");
-        let [archive, conditions] = ["helio", "conditions.csv"].map(|end| format!("{data}/v1.6-box.{end}"));
+        let [archive, conditions] = ["helio", "conditions.csv"].map(|end| format!("{data}/v1.7-box.{end}"));
         super::albedos(&archive, &conditions, folder.path()).expect("tables");
         let totals = |albedo: &str| -> Vec<f64> {
             let table = std::fs::read_to_string(folder.path().join(format!("albedo-{albedo}.csv"))).expect("a table");

@@ -37,7 +37,7 @@ mod tests {
     fn brightest_hours() {
         let data = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data");
         let (archive, weather) =
-            (format!("{data}/archives/v1.6-box.helio"), format!("{data}/weather/golden_3_days.epw"));
+            (format!("{data}/archives/v1.7-box.helio"), format!("{data}/weather/golden_3_days.epw"));
         let mut found = Vec::new();
         super::brightest(&archive, &weather, |id, hour, w_m2| found.push((id.to_owned(), hour, w_m2))).expect("hours");
         assert!(!found.is_empty());

@@ -13,20 +13,21 @@ use heliotile_core::layers::sky::SkyTexture;
 /// Level of the block compressor, high because textures are written once and read for years.
 pub const COMPRESSION: i32 = heliotile_core::archive::codec::pack::DEFAULT_LEVEL;
 
-/// Encodes the blocks of a tile that are known before its cells, in the order of writing.
+/// Encodes the blocks of a tile that are known before its cells, in the order of writing. An
+/// archive for replay only has no hits.
 pub fn tile(
     number: TileNumber,
     receivers: &tables::ReceiversTable,
     parts: Option<&tables::PartsTable>,
     sky: &[SkyTexture],
-    hits: &HitTile,
+    hits: Option<&HitTile>,
     extras: &[ReceiverExtras],
 ) -> Result<Vec<EncodedBlock>> {
     let mut blocks = vec![
         receivers.encode(format::RECEIVERS, number, COMPRESSION)?,
         layer(format::SKY, number, receivers.rows(), &SkyTexture::pack(sky))?,
-        self::hits(number, receivers.rows(), hits)?,
     ];
+    blocks.extend(hits.map(|hits| self::hits(number, receivers.rows(), hits)).transpose()?);
     blocks.extend(parts.map(|parts| parts.encode(format::PARTS, number, COMPRESSION)).transpose()?);
     let (mirrors, canopies) = extras.iter().map(|of| (of.mirrors.to_bytes(), of.canopy.to_bytes())).unzip();
     blocks.extend(extra(format::MIRROR, number, mirrors)?);

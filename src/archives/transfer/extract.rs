@@ -1,5 +1,5 @@
 //! Extract of an archive. In: an archive, a selection of receivers. Out: the archive of these
-//! receivers, with only the cells that they need.
+//! receivers, with only the cells that they need, or without any for replay only.
 
 use std::path::Path;
 
@@ -36,52 +36,73 @@ pub struct Whole {
     pub bounce_cells: u64,
 }
 
-/// Writes the archive of some receivers, with the same bytes as a build of them alone.
+/// Layers that an extract takes besides those of its receivers.
+#[derive(Clone, Copy, Debug)]
+pub struct ExtractContent {
+    /// True with the triangles of the scene.
+    pub scene: bool,
+    /// True without hits and cells. An archive that has none gives only such.
+    pub replay_only: bool,
+}
+
+/// Writes the archive of some receivers, or of all. With hits and cells it has the same bytes as a build of
+/// these receivers alone.
 pub fn extract(
     archive: &Archive,
-    selection: &Selection,
-    with_scene: bool,
+    selection: Option<&Selection>,
+    content: ExtractContent,
     path: &Path,
     workspace: &Workspace,
     observer: &dyn Observer,
 ) -> Result<Extracted> {
     let Workspace { folder, memory } = workspace;
     let site = OpenSite::open(archive)?;
-    let kept = selection.resolve(std::slice::from_ref(&site), folder, memory.length(Use::ReceiverList))?;
+    let kept = match selection {
+        None => vec![true; site.receivers() as usize],
+        Some(some) => some.resolve(std::slice::from_ref(&site), folder, memory.length(Use::ReceiverList))?,
+    };
+    let replay_only = content.replay_only || site.is_replay_only();
     let budget = memory.length(Use::ExtractedKeys);
     let keys = || Keys::new(folder, budget);
 
     let mut output = ArchiveAssembly::create(path, &[archive], observer)?;
     let mut hits = keys();
-    output.tiles(ArchiveReceivers::<TracedLayers>::chosen(&site, archive, &kept).map(|row| {
-        let row = row?;
-        let mut seen: Vec<_> = row.layers.reached().collect();
-        seen.sort_unstable();
-        seen.dedup();
-        seen.into_iter().try_for_each(|key| hits.push(key))?;
-        Ok(row)
-    }))?;
-    let (of_probes, of_bounces) = (CellSource::probes(&site)?, CellSource::bounces(&site)?);
+    output.tiles(
+        ArchiveReceivers::<TracedLayers>::chosen(&site, archive, &kept).map(|row| {
+            let row = row?;
+            if !replay_only {
+                let mut seen: Vec<_> = row.layers.reached().collect();
+                seen.sort_unstable();
+                seen.dedup();
+                seen.into_iter().try_for_each(|key| hits.push(key))?;
+            }
+            Ok(row)
+        }),
+        replay_only,
+    )?;
     let manifest = archive.manifest();
-    let (mut probes, mut bounces, mut seen) = (Marks::default(), Marks::default(), keys());
-    probes.add(&of_probes, "hit", hits, |key| seen.push(key))?;
-    bounces.add_reachable(&of_bounces, "probes", seen, keys)?;
-    let settings = &manifest.settings;
-    output.probes(settings, cells(&of_probes, probes.chunks(), |chunk, row| probes.contains(chunk, row)))?;
-    output.bounces(settings, cells(&of_bounces, bounces.chunks(), |chunk, row| bounces.contains(chunk, row)))?;
+    if !replay_only {
+        let (of_probes, of_bounces) = (CellSource::probes(&site)?, CellSource::bounces(&site)?);
+        let (mut probes, mut bounces, mut seen) = (Marks::default(), Marks::default(), keys());
+        probes.add(&of_probes, "hit", hits, |key| seen.push(key))?;
+        bounces.add_reachable(&of_bounces, "probes", seen, keys)?;
+        let settings = &manifest.settings;
+        output.probes(settings, cells(&of_probes, probes.chunks(), |chunk, row| probes.contains(chunk, row)))?;
+        output.bounces(settings, cells(&of_bounces, bounces.chunks(), |chunk, row| bounces.contains(chunk, row)))?;
+    }
     output.materials(archive)?;
-    if with_scene {
+    if content.scene {
         output.scene(&[archive])?;
     }
     // Receivers are read again for each layer, so that memory stays bounded.
     output.responses(ArchiveReceivers::<Response>::chosen(&site, archive, &kept))?;
-    if with_scene {
+    if content.scene {
         output.overview(&[archive], ArchiveReceivers::<Shown>::chosen(&site, archive, &kept))?;
     }
     output.name_index(workspace, ArchiveReceivers::<()>::chosen(&site, archive, &kept))?;
     output.copy_unknown(&[archive])?;
     let accuracy = manifest.accuracy.clone().map(Accuracy::without_tiles);
-    let written = output.finish(Manifest { accuracy, ..manifest.clone() })?;
+    let written = output.finish(Manifest { accuracy, replay_only, ..manifest.clone() })?;
     let of = Whole {
         receivers: manifest.receivers.count,
         probes: manifest.counts.probes,

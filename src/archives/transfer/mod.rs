@@ -21,7 +21,7 @@ mod union;
 
 pub use compare::{Difference, differences};
 pub use diff::{Differences, Names, Parted, diff};
-pub use extract::{Extracted, Whole, extract};
+pub use extract::{ExtractContent, Extracted, Whole, extract};
 pub use merge::{Merged, merge};
 pub use output::Assembled;
 pub use rows::{ArchiveReceivers, LayeredReceiver, Layers, Shown};

@@ -56,7 +56,7 @@ pub trait Layers: Send + Sized {
 /// Layers of a receiver that a build traces before the cells.
 pub struct TracedLayers {
     pub sky: SkyTexture,
-    /// One key per texel of the hit texture.
+    /// One key per texel of the hit texture; empty in an archive for replay only.
     pub hits: Vec<Option<CellKey>>,
     pub extras: ReceiverExtras,
 }
@@ -117,8 +117,12 @@ impl Layers for TracedLayers {
     }
 
     fn of_tile(site: &OpenSite, tile: u32, receivers: usize) -> Result<Vec<Self>> {
-        let (sky, hits) = (site.tile_sky_textures(tile, receivers)?, site.tile_hits(tile, receivers)?);
-        let layers = sky.into_iter().zip(hits.split(receivers)).zip(site.tile_extras(tile, receivers)?);
+        let sky = site.tile_sky_textures(tile, receivers)?;
+        let hits = match site.is_replay_only() {
+            true => vec![Vec::new(); receivers],
+            false => site.tile_hits(tile, receivers)?.split(receivers),
+        };
+        let layers = sky.into_iter().zip(hits).zip(site.tile_extras(tile, receivers)?);
         Ok(layers.map(|(((sky, _), hits), extras)| TracedLayers { sky, hits, extras }).collect())
     }
 }

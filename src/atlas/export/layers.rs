@@ -102,7 +102,7 @@ pub(super) fn layers_of(
 /// Opens the archive that holds a receiver; in an atlas, the archive of the part that holds it.
 fn holding_receiver(request: &ExportRequest, id: &str, resources: &Resources) -> Result<Archive> {
     let workspace = Workspace { folder: folder_of(&request.output).into(), memory: resources.memory };
-    holding(&request.place, &Selection::Ids(vec![id.to_owned()]), request.access, &workspace)
+    holding(&request.place, Some(&Selection::Ids(vec![id.to_owned()])), request.access, &workspace)
 }
 
 impl ReceiverLayers<'_> {

@@ -13,7 +13,7 @@ use crate::trace::receiver::SkyTrace;
 use crate::trace::sky_fans::SkyFans;
 use heliotile_core::archive::format::CellKind;
 use heliotile_core::error::Result;
-use heliotile_core::hemisphere::{jitter, texel_direction};
+use heliotile_core::hemisphere::ray_direction;
 use heliotile_core::layers::bits::BitSquare;
 use heliotile_core::layers::cells::{Cell, Cells};
 use heliotile_core::layers::mirror::CellPath;
@@ -125,9 +125,7 @@ impl SiteTracer<'_> {
         let mut reflecting = 0.0_f64;
         let mut cells = [BTreeSet::new(), BTreeSet::new()];
         for (i, (view, leaves, keys, paths, _)) in hits.iter().enumerate() {
-            let weight = |texel: usize| {
-                texel_direction(texel % n, texel / n, n, jitter(view.seed(), texel as u64)).z * 2.0 / (n * n) as f64
-            };
+            let weight = |texel: usize| ray_direction(texel, n, view.seed()).z * 2.0 / (n * n) as f64;
             let direct = keys.iter().enumerate().filter_map(|(t, key)| Some((t, key.as_ref()?, 1.0)));
             let in_mirrors = paths.iter().map(|p| (p.texel as usize, &p.cell, left(&p.steps, reflectors)));
             let mut share = 0.0;

@@ -275,7 +275,7 @@ impl SiteTracer<'_> {
             hits = HitTile { palette: Vec::new(), texels: vec![0; hits.texels.len()] };
         }
         let parts = tables::PartsTable::new(receivers);
-        let blocks = pack::tile(TileNumber(number), &table, parts.as_ref(), &sky, &hits, &extras)?;
+        let blocks = pack::tile(TileNumber(number), &table, parts.as_ref(), &sky, Some(&hits), &extras)?;
         let besides = extras.iter().flat_map(|of| of.mirrors.cells().chain(of.canopy.cells()));
         let cells = hits.palette.into_iter().chain(besides).collect();
         Ok(TracedTile { blocks, cells, rays, misplaced, copied: None })

@@ -41,7 +41,9 @@ impl Share {
 /// - 4: receivers look for mirrors in parts of base texels.
 /// - 5: points of cells count by how far nearby surfaces leave them open, cells near each other are
 ///   finer, fine probes are refined.
-const TRACING: u32 = 5;
+/// - 6: rays of hit and probe textures go near the middles of texels, points of neighbouring texels
+///   lie far apart.
+const TRACING: u32 = 6;
 
 macro_rules! declare {
     ($($name:ident: $stored:ty as $native:ty, $range:ident($($bound:expr),*), $ladder:ident $rungs:tt, $meaning:literal;)*) => {

@@ -14,7 +14,7 @@ use crate::trace::mirror::{MirrorRay, Reflections};
 use crate::trace::sky_fans::{Part, SkyFans};
 use crate::trace::surface::cell_of;
 use crate::trace::viewpoint::Viewpoint;
-use heliotile_core::hemisphere::{Frame, jitter, texel_direction, texels_in_blocks};
+use heliotile_core::hemisphere::{Frame, ray_direction, texels_in_blocks};
 use heliotile_core::layers::bits::BitSquare;
 use heliotile_core::layers::sky::SkyTexture;
 use heliotile_core::layers::texel_block::TexelBlock;
@@ -207,10 +207,10 @@ impl Viewpoint {
         texels_in_blocks(n).map(ray).collect()
     }
 
-    /// Returns the directions of the hit rays by texel: jittered, world frame.
+    /// Returns the directions of the hit rays by texel, world frame.
     pub(crate) fn hit_directions(&self, n: usize) -> impl Fn(usize) -> DVec3 + use<> {
         let (frame, seed) = (Frame::new(self.normal), self.seed());
-        move |texel| frame.to_world(texel_direction(texel % n, texel / n, n, jitter(seed, texel as u64)))
+        move |texel| frame.to_world(ray_direction(texel, n, seed))
     }
 
     /// Returns true if rays that go up from here leave terrain or solids: at least two of three

@@ -48,7 +48,7 @@ pub const MAGIC: [u8; 8] = [0x89, b'H', b'L', b'O', 0x0d, 0x0a, 0x1a, 0x0a];
 pub const MAJOR: u16 = 1;
 /// Minor number of the format that this release reads and writes; archives of any other number are
 /// refused.
-pub const MINOR: u16 = 6;
+pub const MINOR: u16 = 7;
 /// Offsets of slot A and slot B.
 pub const SLOT_OFFSETS: [u64; 2] = [0, 4096];
 /// Bytes of a slot, its checksum included.
@@ -141,6 +141,10 @@ pub const OBJECTS: BlockKind = BlockKind(22);
 /// some.
 pub const BANDS: BlockKind = BlockKind(23);
 
+/// Kinds from which reflected light is derived; an archive for replay only holds none of them.
+pub const REFLECTING: [BlockKind; 8] =
+    [HIT, PROBES, BOUNCE, INDEX, PROBE_MIRROR, BOUNCE_MIRROR, PROBE_CANOPY, BOUNCE_CANOPY];
+
 /// The two kinds of cells; each has chunks, layers of them, and an index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CellKind {
@@ -181,7 +185,7 @@ impl CellKind {
 pub const KINDS: [(BlockKind, &str, u16); 23] = [
     (RECEIVERS, "receivers", 1),
     (SKY, "sky", 1),
-    (HIT, "hit", 3),
+    (HIT, "hit", 4),
     (RESPONSE, "response", 2),
     (PROBES, "probes", 4),
     (BOUNCE, "bounce", 4),

@@ -143,15 +143,15 @@ mod tests {
         assert!(error.contains("was not finished"), "{error}");
     }
 
-    /// Formats 1.0, 1.5, 1.7 and 2.6 are refused, 4 of 4, with the file, the format found, the one
+    /// Formats 1.0, 1.6, 1.8 and 2.7 are refused, 4 of 4, with the file, the format found, the one
     /// supported and what to do. Required bits 0 and 7 are refused by number, and by name if they
     /// have one. An optional bit is ignored.
     #[test]
     fn other_formats_are_refused_by_name() {
-        for (major, minor) in [(1, 0), (1, 5), (1, 7), (2, 6)] {
+        for (major, minor) in [(1, 0), (1, 6), (1, 8), (2, 7)] {
             let error = read_slots([complete(1), Slot { major, minor, ..complete(1) }], 8192).unwrap_err();
             let expected = format!(
-                "site.helio: format of the archive: found format {major}.{minor}, this release supports format 1.6 only: \
+                "site.helio: format of the archive: found format {major}.{minor}, this release supports format 1.7 only: \
                  build the archive again with this release"
             );
             assert_eq!(error.to_string(), expected);

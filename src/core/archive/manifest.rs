@@ -46,6 +46,9 @@ pub struct Manifest {
     /// Reasons why effects were left out, if they rest on some weather.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub negligible: Option<Negligible>,
+    /// True if hits and cells were left out: the archive answers what needs sky and response only.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub replay_only: bool,
     /// Bound of a preview: parts that were not derived again after a change of the scene.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub preview: Option<Preview>,

@@ -126,6 +126,12 @@ impl Archive {
     pub fn block(&self, kind: BlockKind, tile: TileNumber) -> Result<Block> {
         match self.entry(kind, tile) {
             Some(entry) => self.fetch(entry),
+            None if self.manifest.replay_only && format::REFLECTING.contains(&kind) => {
+                let what = "is for replay only: it holds no hits and cells, which changed reflectances, numbers of \
+                            bounces, bands, longwave, comfort, glare, view factors of objects, updates, repairs and \
+                            merges need";
+                Err(Error::input(self.path(), None, what, "use the archive that it was taken from, or build it again"))
+            }
             None => {
                 let what = format!("holds no block {}", format::block_name(kind, tile));
                 Err(Error::input(self.path(), None, what, "build the archive again with this layer"))

@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 
-use crate::hemisphere::{Frame, jitter, texel_direction};
+use crate::hemisphere::{Frame, ray_direction};
 use crate::layers::hit::HitTile;
 use crate::layers::response::CLASSES;
 use crate::light::reflector::Reflector;
@@ -59,7 +59,7 @@ pub fn texel_weights(texels: &[u32], viewer: &Viewer) -> Vec<f64> {
     let (mut above, mut below) = (0.0, 0.0);
     let rays: Vec<(f64, bool)> = (0..texels.len())
         .map(|t| {
-            let local = texel_direction(t % n, t / n, n, jitter(viewer.seed, t as u64));
+            let local = ray_direction(t, n, viewer.seed);
             let up = frame.to_world(local).z > 0.0;
             if !up {
                 below += local.z;

@@ -96,8 +96,9 @@ impl<'a> CellSource<'a> {
 
     fn open(site: &OpenSite<'a>, kind: CellKind) -> Result<Self> {
         let index = kind.index();
-        // A site where no ray meets anything has no cells and no index.
-        let firsts = match site.has(format::INDEX, index) {
+        // A site where no ray meets anything has no cells and no index. For an archive that is for
+        // replay only, reading the index gives the error.
+        let firsts = match site.has(format::INDEX, index) || site.is_replay_only() {
             true => tables::IndexTable::from_block(&site.block(format::INDEX, index)?)?.firsts(),
             false => Vec::new(),
         };

@@ -25,6 +25,7 @@ pub struct SiteFacts {
     materials: Vec<Material>,
     /// True if the materials are those that the responses of the blocks were derived for.
     as_stored: bool,
+    replay_only: bool,
     orientations: Vec<MirrorPlane>,
     north: North,
     receivers: u64,
@@ -54,7 +55,16 @@ impl SiteFacts {
         let settings = SiteSettings::new(stated, path)?;
         let (receivers, tiles) = (receivers.count, receivers.tiles);
         let north = North::default();
-        Ok(SiteFacts { settings, materials, as_stored: true, orientations, north, receivers, tiles })
+        Ok(SiteFacts {
+            settings,
+            materials,
+            as_stored: true,
+            replay_only: false,
+            orientations,
+            north,
+            receivers,
+            tiles,
+        })
     }
 
     /// Returns the materials; the numbers in cell keys are their indices.
@@ -98,7 +108,7 @@ impl<'a> OpenSite<'a> {
         }
         let mut facts =
             SiteFacts::given(path, &manifest.settings, origin, &manifest.receivers, materials, orientations)?;
-        facts.north = North::new(manifest.place.as_ref());
+        (facts.north, facts.replay_only) = (North::new(manifest.place.as_ref()), manifest.replay_only);
         Ok(OpenSite { blocks, facts: Arc::new(facts) })
     }
 
@@ -131,6 +141,11 @@ impl<'a> OpenSite<'a> {
     /// Returns true if the materials are those that the stored responses were derived for.
     pub fn is_as_stored(&self) -> bool {
         self.facts.as_stored
+    }
+
+    /// Returns true if the blocks hold no hits and cells, so that reflected light cannot be derived.
+    pub fn is_replay_only(&self) -> bool {
+        self.facts.replay_only
     }
 
     /// Returns the direction of true north, by which replay turns suns.

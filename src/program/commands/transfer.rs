@@ -8,7 +8,7 @@ use heliotile::atlas::holding;
 use heliotile::cases::{Diff, Extract, Merge};
 use heliotile::output::{guard_archive, guard_output};
 use heliotile::text::counted;
-use heliotile::{Access, Error, Provenance, Result};
+use heliotile::{Access, ExtractContent, Provenance, Result};
 
 /// `heliotile archive merge`.
 pub fn merge(args: &Merge, _: Provenance) -> Result<Outcome> {
@@ -34,21 +34,16 @@ pub fn merge(args: &Merge, _: Provenance) -> Result<Outcome> {
 
 /// `heliotile archive extract`.
 pub fn extract(args: &Extract, _: Provenance) -> Result<Outcome> {
-    let Some(selection) = args.receivers.selection() else {
-        return Err(Error::argument(
-            "extract",
-            "no receivers are chosen",
-            "choose some with --receivers, --bbox, --surface or --object",
-        ));
-    };
     let mut inputs = vec![args.archive.as_path()];
     inputs.extend(args.receivers.receivers.as_deref());
     guard_output(&args.output, &inputs)?;
     guard_archive(&args.output)?;
     let workspace = workspace_beside(&args.output, args.memory);
-    let archive = holding(&args.archive, &selection, args.io.unwrap_or(Access::Read), &workspace)?;
-    let extracted =
-        transfer::extract(&archive, &selection, !args.no_scene, &args.output, &workspace, &Terminal::default())?;
+    let receivers = args.receivers.selection();
+    let archive = holding(&args.archive, receivers.as_ref(), args.io.unwrap_or(Access::Read), &workspace)?;
+    let content = ExtractContent { scene: !args.no_scene, replay_only: args.replay_only };
+    let terminal = Terminal::default();
+    let extracted = transfer::extract(&archive, receivers.as_ref(), content, &args.output, &workspace, &terminal)?;
     let Assembled { receivers, tiles, cells, summary } = &extracted.written;
     remark(format!(
         "{}: {receivers} of {} receivers in {}, {} of {} probes, {} of {} bounce cells, {:.2} MB\n  root {}\n",

@@ -67,9 +67,9 @@ class Archive(Askable):
         """Hash of the archive's content."""
         return self._handle.root
 
-    def extract(self, output: str | os.PathLike[str], receivers: Wanted, **options: Unpack[ExtractOptions]) -> Archive:
+    def extract(self, output: str | os.PathLike[str], receivers: Wanted | None = None, **options: Unpack[ExtractOptions]) -> Archive:
         """Writes an archive of some receivers, selected as in `replay`, and opens it: `heliotile
-        extract`, byte by byte. The options are those of `heliotile.options.ExtractOptions`."""
+        extract`, byte by byte. With `replay_only`, `receivers` may be left out for all. The options are those of `heliotile.options.ExtractOptions`."""
         keywords = asked("Archive.extract", ExtractOptions, options, output=output)
         handle = self._handle.extract(keywords.args(), wanted_args(receivers), options.get("progress"))
         return Archive(handle, os.fspath(output))

@@ -165,12 +165,13 @@ impl ArchiveHandle {
         &self,
         py: Python<'_>,
         asked: Keywords,
-        receivers: PySelection,
+        receivers: Option<PySelection>,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<ArchiveHandle> {
         asked.run::<Extract, _>(py, &["archive", "receivers"], progress.as_ref(), |args, _, resources| {
-            let site = self.chosen(Some(receivers))?;
-            site.extract(&args.output, !args.no_scene, resources.memory, resources.observer)?;
+            let site = self.chosen(receivers)?;
+            let content = ExtractContent { scene: !args.no_scene, replay_only: args.replay_only };
+            site.extract(&args.output, content, resources.memory, resources.observer)?;
             ArchiveHandle::just_written(&args.output)
         })
     }

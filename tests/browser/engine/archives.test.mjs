@@ -52,7 +52,7 @@ test("5 things that are no whole archive of this format are refused with their k
 });
 
 test("an archive without geometry gives each receiver a square of its area about its place, and its view of the sky", async () => {
-  const { tasks, site, tiles } = await opened(readFileSync("tests/data/archives/v1.6-mirrors.helio"));
+  const { tasks, site, tiles } = await opened(readFileSync("tests/data/archives/v1.7-mirrors.helio"));
   assert.deepEqual([site.sceneChunks, site.hasReference, site.formatVersion], [0, false, "1.6"]);
   let receivers = 0;
   for (const tile of tiles) {
@@ -127,7 +127,7 @@ test("a fisheye of 101 points has 7,845 in the disc, sky in the share that a hor
   });
   assert.ok(Math.abs(inside - Math.PI * 50.5 ** 2) < 60, `${inside}`);
   assert.ok(Math.abs(sky / all - flat.views[0]) < 0.02, `${sky / all} ${flat.views[0]}`);
-  const small = await opened(readFileSync("tests/data/archives/v1.6-box.helio"));
+  const small = await opened(readFileSync("tests/data/archives/v1.7-box.helio"));
   const { paths } = small.tasks.fisheye({ tile: 0, row: 0, side: 9 });
   assert.ok(["21 Jun", "20 Mar", "21 Dec", "12"].every((label) => paths.some((path) => path.label === label)));
   for (const { points } of paths) {
@@ -141,7 +141,7 @@ test("what an engine cannot do is said: a tile that is not there, an unknown gro
   const wrong = { ...noon, changes: { reflectance: [["roofs", 0.5]], transmittance: [] } };
   await assert.rejects(all(tasks, "moment", wrong, [0]), (error) => /no group and no material `roofs`/.test(error.message) && /name a group/.test(error.hint));
   await assert.rejects(all(tasks, "moment", { ...noon, light: { kind: "weather", hour: 3 } }, [0]), /there is none/);
-  const nowhere = await opened(readFileSync("tests/data/archives/v1.6-mirrors.helio"));
+  const nowhere = await opened(readFileSync("tests/data/archives/v1.7-mirrors.helio"));
   assert.throws(() => nowhere.tasks.sun(172, 720), /where on Earth/);
 });
 

@@ -7,7 +7,7 @@ import { test } from "node:test";
 import { Differences, UNCHANGED, WORK, all, conditionsFile, opened, program, random } from "./engine.mjs";
 
 const HAGUE = join(WORK, "hague.sun/site.helio");
-const SMALL = (name) => `tests/data/archives/v1.6-${name}.helio`;
+const SMALL = (name) => `tests/data/archives/v1.7-${name}.helio`;
 const WEATHER = "tests/data/weather/golden_tmy3.epw";
 
 async function compared(archive, suns, sky, changes, options) {

@@ -168,7 +168,7 @@ mod tests {
     /// comparisons of more than 500 values each.
     #[test]
     fn interactive_replays_equal_replays() {
-        for name in ["v1.6-box.helio", "v1.6-mirrors.helio"] {
+        for name in ["v1.7-box.helio", "v1.7-mirrors.helio"] {
             for schedules in [Vec::new(), vec![Schedule { materials: vec![0], values: vec![0.55] }]] {
                 let (compared, worst) = off(name, &schedules);
                 assert!(compared > 500 && worst < 5e-5, "{name}: {compared} {worst:e}");
