@@ -253,6 +253,7 @@ impl SeenLeaves {
             let own = weight(&before, share);
             let mut share = share;
             if step > 0.0 {
+                // `at` is the weight up to the next draw: below 0, the draw lies within this leaf.
                 at -= own;
                 let count = (-at / step).ceil().max(0.0);
                 at += count * step;

@@ -87,7 +87,8 @@ impl Directions {
             for place in of_block {
                 let first = slot(place.inside, order as usize % POINTS) * worth.len() / POINTS;
                 // A point gives up texels in proportion to the weight it lacks; they go to all
-                // points by weight.
+                // points by weight. Salts are ASCII words ("keep", "give"): each purpose has draws
+                // of its own, independent of the others.
                 let draw = |salt: u64| unit(mix(seed ^ salt, place.texel as u64));
                 let is_kept = worth[first] >= 1.0 || draw(0x6b65_6570) < worth[first];
                 // A number below POINTS, so a byte.
@@ -325,6 +326,8 @@ pub fn trace_probe(key: CellKey, texture: &Directions, surfaces: CellSurfaces) -
             let point = usize::from(owner[texel]);
             match base.told(texel) {
                 None => look.ask(texel, point),
+                // The points of a curved cell have normals of their own, so an open direction may
+                // still lie behind the surface of this texel's point.
                 Some(is_open) if is_open && look.is_before(texel, point) => sky.set(texel),
                 Some(_) => {}
             }
@@ -419,6 +422,8 @@ pub fn lifted(position: DVec3, normal: DVec3, tracer: &Tracer) -> [f32; 3] {
 /// Returns which of 16 points traces a texel in the first round, by the texel's place in a 4 x 4
 /// block. Each block uses all points, in an order of its own.
 fn slot(inside: usize, turn: usize) -> usize {
+    // 5 is coprime to 16, so the product is a permutation of the 16 places, and the XOR is one of
+    // the slots. Neighbours in a row get slots 5 apart.
     (inside * 5 % 16) ^ turn
 }
 

@@ -42,6 +42,8 @@ impl LitSides {
     /// the scene alone, because several threads may call it at the same time.
     pub fn known_or(&self, triangle: u32, side: FaceSide, find: impl FnOnce() -> bool) -> bool {
         let (slot, first) = (&self.known[triangle as usize], if side == FaceSide::Front { 0 } else { 2 });
+        // Relaxed is enough: the byte is the whole message, and threads that find the answer twice
+        // set the same bits.
         let state = slot.load(Ordering::Relaxed) >> first;
         if state & 1 == 1 {
             return state & 2 == 2;
@@ -178,6 +180,8 @@ impl Tracer {
         let mut limit = f32::INFINITY;
         let mut stack = vec![(Child::default(), 0.0_f32)];
         while let Some((next, entry)) = stack.pop() {
+            // A box at the limit itself is visited, because a hit at an equal distance counts if
+            // its triangle has the lower index.
             if entry > limit {
                 continue;
             }

@@ -214,6 +214,8 @@ impl ScanSpace {
     fn leaf(&mut self, tree: &Tree, leaf: Child) {
         for place in leaf.first..leaf.first + leaf.count {
             let id = tree.triangles[place as usize].id;
+            // The number of the walk is part of the mark, so the cache is never cleared. Walks
+            // count from 1, so the zeros of a new cache match nothing.
             let mark = self.walks << 32 | u64::from(id);
             let noted = &mut self.noted[id as usize % NOTED];
             if *noted != mark {
