@@ -38,12 +38,12 @@ pub struct Directions {
     pub centres: Vec<[f32; 3]>,
     patterns: Vec<Vec<DVec3>>,
     /// Texels in the order of [`texels_in_blocks`].
-    places: Vec<Place>,
+    places: Vec<BlockTexel>,
 }
 
 /// Texel, its block, and its place in the block.
 #[derive(Clone, Copy)]
-struct Place {
+struct BlockTexel {
     texel: usize,
     block: u64,
     inside: usize,
@@ -63,7 +63,7 @@ impl Directions {
     pub fn new(n: usize, weighting: PointWeights) -> Self {
         let direction = |k: u64, t: usize| texel_direction(t % n, t / n, n, jitter(mix(0x7465_7865, k), t as u64));
         let patterns = (0..PATTERNS).map(|k| (0..n * n).map(|t| direction(k, t)).collect()).collect();
-        let place = |(column, row): (usize, usize)| Place {
+        let place = |(column, row): (usize, usize)| BlockTexel {
             texel: row * n + column,
             block: (row / 4 * n.div_ceil(4) + column / 4) as u64,
             inside: (row % 4) * 4 + column % 4,
@@ -107,7 +107,7 @@ impl Directions {
         let (seed, mut first) = (key.seed(), Vec::with_capacity(self.places.len() / 4));
         for of_block in self.places.chunk_by(|a, b| a.block == b.block) {
             let order = order(seed, of_block[0].block) >> 8;
-            let is_first = |place: &&Place| {
+            let is_first = |place: &&BlockTexel| {
                 let (row, column) = (place.inside / 4, place.inside % 4);
                 let quarter = row / 2 * 2 + column / 2;
                 (order >> (2 * quarter)) % 4 == (row % 2 * 2 + column % 2) as u64
