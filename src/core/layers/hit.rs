@@ -1,5 +1,5 @@
 //! The hit texture: which cell each texel of a receiver's own hemisphere meets. In: keys per texel.
-//! Out: a tile's palette of keys and 16-bit indices into it, and back.
+//! Out: a tile's palette of keys and 32-bit indices into it, and back.
 
 use crate::layers::cells::numbered;
 use crate::site::cells::CellKey;

@@ -382,7 +382,6 @@ mod x86 {
 
     #[inline(always)]
     fn bits(v3: V3, low: __m256, high: __m256) -> u16 {
-        // Each half gives eight bits.
         (v3.avx._mm256_movemask_ps(low) | v3.avx._mm256_movemask_ps(high) << 8) as u16
     }
 

@@ -202,7 +202,7 @@ impl Tracer {
 }
 
 /// Returns the distance at which a ray enters the box of a child, if it does so before `limit`. The
-/// far distance is widened by two roundings (Ize 2013, "Robust BVH ray traversal", JCGT 2(2)).
+/// far distance is widened by [`FAR_PAD`].
 fn slab(node: &Node, child: usize, origin: [f32; 3], inverse: [f32; 3], limit: f32) -> Option<f32> {
     let mut near = 0.0_f32;
     let mut far = limit;
