@@ -33,7 +33,7 @@ impl ZstdFrame {
             }
             rest = after;
         }
-        // Skip the id of the dictionary.
+        // The dictionary's id takes 0, 1, 2 or 4 bytes (3.1.1.1.3). The size does not depend on it.
         rest = rest.get([0, 1, 2, 4].into_iter().nth(usize::from(descriptor & 3))?..)?;
         let size = match descriptor >> 6 {
             // Flag 0 has no size, except in a single segment, which always states one (3.1.1.1.4).
