@@ -9,7 +9,8 @@
 const SCALE: u32 = 9;
 const WHOLE: u32 = 1 << SCALE;
 
-/// Number of states. Values of different states do not wait for each other.
+/// Number of states. Values of different states do not wait for each other. Each column of a block
+/// of coefficients has one.
 pub const STATES: usize = 8;
 
 /// Smallest value of a state, and its value before the first symbol. A state below it is refilled

