@@ -202,6 +202,7 @@ impl PathTracer<'_> {
             return None;
         }
         let carried = walker.carried.times(scattered / likely).scattered();
+        // A number holds 53 random bits, and all of them become the seed.
         let mut random = Random::new((walker.random.next() * 2.0_f64.powi(53)) as u64);
         let places = [leaf.normal, -leaf.normal]
             .map(|normal| PathVertex { from: vector(self.mesh.grid().lifted(leaf.point, normal)), normal });
