@@ -203,7 +203,7 @@ impl SiteTracer<'_> {
         writer: &mut Writer,
         rays: &mut RayCounts,
     ) -> Result<Written> {
-        let (Some(keeping), kind) = (self.preview(), CellKind::Probes) else { return Ok(Written::default()) };
+        let (Some(preview), kind) = (self.preview(), CellKind::Probes) else { return Ok(Written::default()) };
         let texture = self.directions(kind);
         let mut seen = CellSet::default();
         let mut alters = CellMap::default();
@@ -224,7 +224,7 @@ impl SiteTracer<'_> {
                 rays.probe += retraced.cast.plain;
             },
         )?;
-        *keeping.alters.lock().unwrap_or_else(PoisonError::into_inner) = alters;
+        *preview.alters.lock().unwrap_or_else(PoisonError::into_inner) = alters;
         Ok(Written { count, seen })
     }
 
@@ -261,12 +261,12 @@ impl SiteTracer<'_> {
     /// Traces the cells of a chunk that may see the change, those that see a material which is
     /// gone, and the wanted ones.
     fn again(&self, kind: CellKind, held: &PreviousChunk, wanted: Vec<CellKey>, texture: &Directions) -> Retraced {
-        let (Some(before), Some(keeping)) = (&self.before, self.preview()) else { return Retraced::default() };
+        let (Some(before), Some(preview)) = (&self.before, self.preview()) else { return Retraced::default() };
         let PreviousChunk { cells, lost } = held;
         let altered = |row: &usize| {
             // Which points of a doubtful cell are hidden depends on more than what the cell sees.
             let asked =
-                cells.doubtful[*row] || keeping.reach.in_view(surface(cells, *row, &before.change)) >= keeping.unasked;
+                cells.doubtful[*row] || preview.reach.in_view(surface(cells, *row, &before.change)) >= preview.unasked;
             asked && !self.stands(&cells.cell(*row), before, texture, self.looks(kind))
         };
         let altered: Vec<CellKey> =
@@ -293,23 +293,23 @@ impl SiteTracer<'_> {
     /// Returns upper bounds of how much the light on some probes alters, and on those that are
     /// traced again, where it is not small.
     fn alters_of(&self, cells: &Cells, traced: &[Cell]) -> Vec<(CellKey, f32)> {
-        let (Some(before), Some(keeping)) = (&self.before, self.preview()) else { return Vec::new() };
+        let (Some(before), Some(preview)) = (&self.before, self.preview()) else { return Vec::new() };
         let replaced: CellSet = traced.iter().map(|cell| cell.key).collect();
         let traced = Cells::new(traced);
         let mut alters = Vec::new();
         for (cells, are_traced) in [(cells, false), (&traced, true)] {
             let reflected = |key: &CellKey| {
                 let (middle, spread_m) = before.change.middle(*key);
-                let all = keeping.reach.by_all_ways(SurfacePlace { middle, spread_m, normal: None });
+                let all = preview.reach.by_all_ways(SurfacePlace { middle, spread_m, normal: None });
                 self.reflectors.get(usize::from(key.material)).map_or(0.0, |of| of.diffuse) * all
             };
             let seen: Vec<f64> = cells.seen.iter().map(reflected).collect();
             for row in (0..cells.rows()).filter(|row| are_traced || !replaced.contains(&cells.keys[*row])) {
-                let in_view = keeping.reach.in_view(surface(cells, row, &before.change));
+                let in_view = preview.reach.in_view(surface(cells, row, &before.change));
                 let leaves = cells.canopy_of(row).map_or_else(Vec::new, |canopy| canopy.leaves(&Powers::new()));
                 let leaves: f64 = leaves.iter().map(|(key, share)| reflected(key) * f64::from(*share)).sum();
                 // Of the other cells it is known that they do not see the change.
-                let mut most = leaves + if are_traced || in_view < keeping.unasked { in_view } else { 0.0 };
+                let mut most = leaves + if are_traced || in_view < preview.unasked { in_view } else { 0.0 };
                 let (hits, normal) = (cells.hits_of(row), cells.normals[row]);
                 let from = |around: Surround| -> f64 {
                     let [below, above] = each_ray(hits, around);
@@ -319,10 +319,10 @@ impl SiteTracer<'_> {
                 // First count all that is above the horizon, as if none of it were sky; this bound
                 // is cheaper.
                 let half = SidesOf(cells.keys[row]).above(f64::from(normal[2]));
-                if most + from(Surround { up: half, down: 1.0 - half }) > keeping.small() {
+                if most + from(Surround { up: half, down: 1.0 - half }) > preview.small() {
                     most += from(surround(cells.keys[row], normal, cells.bits_of(row), &self.probe_centres));
                 }
-                if most > keeping.small() {
+                if most > preview.small() {
                     alters.push((cells.keys[row], most as f32));
                 }
             }
@@ -413,22 +413,22 @@ impl SiteTracer<'_> {
     /// Copies the responses of those copied tiles whose reflected light alters by less than the
     /// bound.
     pub(super) fn keep_responses(&self, copied: &[CopiedTile], writer: &mut Writer) -> Result<()> {
-        let (Some(before), Some(keeping)) = (&self.before, self.preview()) else { return Ok(()) };
+        let (Some(before), Some(preview)) = (&self.before, self.preview()) else { return Ok(()) };
         if !before.same_light {
             self.observer.note("reflectances or transmittances have changed: all reflected light is calculated again");
             return Ok(());
         }
-        let alters = std::mem::take(&mut *keeping.alters.lock().unwrap_or_else(PoisonError::into_inner));
+        let alters = std::mem::take(&mut *preview.alters.lock().unwrap_or_else(PoisonError::into_inner));
         for group in copied.chunks(GROUP) {
             let site = OpenSite::over(&*writer, Arc::clone(&self.facts));
             let kept = |of: &CopiedTile| {
                 let view = TileView::read(&site, of.tile)?;
-                if self.tile_alters(&view, of.direct, keeping, &alters) > keeping.share() {
+                if self.tile_alters(&view, of.direct, preview, &alters) > preview.share() {
                     return Ok(None);
                 }
                 let block = before.copy(format::RESPONSE, TileNumber(of.from), TileNumber(of.tile))?;
                 Ok(block.inspect(|_| {
-                    keeping.receivers.fetch_add(view.viewers.len() as u64, Ordering::Relaxed);
+                    preview.receivers.fetch_add(view.viewers.len() as u64, Ordering::Relaxed);
                 }))
             };
             let blocks: Vec<Option<EncodedBlock>> = group.par_iter().map(kept).collect::<Result<_>>()?;
@@ -440,9 +440,9 @@ impl SiteTracer<'_> {
 
     /// Returns an upper bound of how much the change alters the light of any receiver of a tile, as
     /// a share of the light on open ground. `direct` is the bound for its direct light.
-    fn tile_alters(&self, view: &TileView, direct: f64, keeping: &PreviewState, alters: &CellMap<f32>) -> f64 {
+    fn tile_alters(&self, view: &TileView, direct: f64, preview: &PreviewState, alters: &CellMap<f32>) -> f64 {
         let of_cell = |key: &CellKey| {
-            let most = alters.get(key).map_or(keeping.small(), |most| f64::from(*most));
+            let most = alters.get(key).map_or(preview.small(), |most| f64::from(*most));
             // Its material is one of the scene's.
             self.reflectors[usize::from(key.material)].diffuse * most
         };
@@ -457,7 +457,7 @@ impl SiteTracer<'_> {
             // A bound without weights comes first: as if the cell that alters most filled all but
             // the sky.
             let at_most = direct + most * (1.0 - viewer.sky_view);
-            if at_most <= keeping.share() {
+            if at_most <= preview.share() {
                 return at_most;
             }
             let met = texels.iter().zip(texel_weights(texels, viewer)).filter(|(cell, _)| **cell != 0);

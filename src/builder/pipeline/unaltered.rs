@@ -62,7 +62,7 @@ impl SiteTracer<'_> {
         }
         let Some((from, table)) = before.archive.tile_of(receivers) else { return Ok(None) };
         let preview = before.preview.as_ref();
-        let direct = preview.and_then(|keeping| keeping.direct(receivers, self, &before.change));
+        let direct = preview.and_then(|preview| preview.direct(receivers, self, &before.change));
         // A receiver's own rays do not tell if light reaches it when it sees no sky. The factor 2
         // allows for the f32 values of the table.
         let blind = || table.sky_view.iter().any(|view| f64::from(*view) < 2.0 * BLIND);
