@@ -115,9 +115,9 @@ pub struct Extract {
     /// Leave the scene's triangles out of the new archive.
     #[field(python = "with_scene")]
     pub no_scene: bool,
-    /// Leave out hits and cells, about two thirds of the bytes: the new archive answers weather,
-    /// suns, skies and hours of sun, but no changed reflectances, numbers of bounces, bands,
-    /// longwave or comfort; it cannot be updated, repaired or merged.
+    /// Leave out hits and cells, about two thirds of the bytes: the new archive answers for weather,
+    /// suns, skies and hours of sun, but not for changed reflectances, a number of bounces, bands,
+    /// longwave, comfort, maps of what a receiver sees or EnergyPlus; `build` makes it whole again.
     pub replay_only: bool,
     /// Memory to work in, such as 512MiB or 2GiB.
     #[field(default = "4GiB", parse = parse_memory, neutral)]

@@ -94,6 +94,8 @@ pub fn direction_of(square: DVec2) -> DVec3 {
     let (r, other, x_dominant) = if a.abs() >= b.abs() { (a, b, true) } else { (b, a, false) };
     let (sin, cos) = sin_cos_octant(FRAC_PI_4 * (other / r));
     let z = 1.0 - r * r;
+    // From z = 1 - r^2: 1 - z^2 = r^2 (2 - r^2). The sign of r stays, so the direction falls into
+    // the quarter of the dominant axis.
     let horizontal = r * (2.0 - r * r).max(0.0).sqrt();
     if x_dominant {
         DVec3::new(horizontal * cos, horizontal * sin, z.max(0.0))
@@ -225,6 +227,8 @@ pub fn bilinear(direction: DVec3, n: usize) -> [(usize, f64); 4] {
     let p = square_of(direction) * n as f64 - 0.5;
     let last = (n - 1) as f64;
     let (x, y) = (p.x.clamp(0.0, last), p.y.clamp(0.0, last));
+    // The last pair of texels starts at n - 2, so the second texel of a pair always exists, unless
+    // n is 1.
     let (x0, y0) = (x.floor().min((n.max(2) - 2) as f64), y.floor().min((n.max(2) - 2) as f64));
     let (fx, fy) = (x - x0, y - y0);
     let (c, r) = (x0 as usize, y0 as usize);

@@ -169,6 +169,7 @@ impl Rings {
     fn cut(&mut self, face: &Polygon, done: &mut Triangulation) -> bool {
         let normal = self.newell_normal();
         let extent = self.positions.iter().fold(0.0, |far: f64, p| far.max(p.length_squared()));
+        // The length of Newell's vector is twice the area.
         if self.outline() < 3 || normal.length() <= 2.0 * NO_AREA * extent {
             done.degenerate_faces += 1;
             return true;

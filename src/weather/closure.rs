@@ -83,12 +83,14 @@ impl Closure {
         let at_middle = rmse(0.0);
         let better = |best: (f64, f64), shifts: Vec<f64>| {
             let tried: Vec<_> = shifts.into_par_iter().map(|shift| (rmse(shift), shift)).collect();
+            // In the order of shifts, so that ties do not depend on the number of threads.
             tried.into_iter().fold(best, |best, next| if next.0 < best.0 { next } else { best })
         };
         let minutes =
             |range: RangeInclusive<i32>, around: f64, each: f64| range.map(|i| around + f64::from(i) * each).collect();
         let coarse = better((at_middle, 0.0), minutes(-STEPS..=STEPS, 0.0, f64::from(COARSE_MIN)));
         let whole = better(coarse, minutes(1 - COARSE_MIN..=COARSE_MIN - 1, coarse.1, 1.0));
+        // A division by 10 gives the number nearest to a decimal, which is printed without a tail.
         let tenths = better(whole, (-9..=9).map(|tenth| (whole.1 * 10.0 + f64::from(tenth)) / 10.0).collect());
         let best = if tenths.0 < CLEARLY_BETTER * whole.0 { tenths } else { whole };
         let sunless: f64 = usable.iter().map(|(row, ghi)| (ghi - row.dhi_w_m2).powi(2)).sum();

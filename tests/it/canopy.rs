@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use glam::DVec3;
-use heliotile_archives::transfer::{Selection, extract, merge};
+use heliotile_archives::transfer::{ExtractContent, Selection, extract, merge};
 use heliotile_archives::writing::{Job, Writer};
 use heliotile_builder::pipeline::BuildReport;
 use heliotile_builder::settings::BuildSettings;
@@ -358,7 +358,8 @@ fn parts_of_a_grove(leaf: Material) {
         let ids: Vec<&str> = receivers.iter().map(|r| r.id.as_str()).collect();
         std::fs::write(path("ids.csv"), format!("receiver\n{}\n", ids.join("\n"))).expect("written");
         let list = Selection::Receivers(path("ids.csv"));
-        extract(&open("whole"), &list, true, &path(name), &place, &Silent).expect("an extract");
+        let content = ExtractContent { scene: true, replay_only: false };
+        extract(&open("whole"), Some(&list), content, &path(name), &place, &Silent).expect("an extract");
     }
     assert!(kinds(&path("whole")).contains(&format::CANOPY));
     for (name, expected) in [("one", "whole"), ("merged", "whole"), ("cut a", "a"), ("cut b", "b")] {

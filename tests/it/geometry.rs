@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use glam::DVec3;
-use heliotile_archives::transfer::{Bounds, Selection, diff, extract, merge};
+use heliotile_archives::transfer::{Bounds, ExtractContent, Selection, diff, extract, merge};
 use heliotile_builder::pipeline::Plan;
 use heliotile_builder::settings::{Quality, Rungs};
 use heliotile_core::archive::format::TileNumber;
@@ -77,7 +77,8 @@ fn triangles_are_those_that_were_traced() {
     assert!(verify(whole.path(), heliotile_core::archive::Access::Read, true).expect("verified").problems.is_empty());
     let part = |name: &str, low: f64, high: f64, with_scene: bool| {
         let bounds = Bounds { low: v(low, -1e3, -1e3), high: v(high, 1e3, 1e3) };
-        extract(&whole, &Selection::Bounds(bounds), with_scene, &path(name), &place, &Silent).expect("an extract");
+        let (window, content) = (Selection::Bounds(bounds), ExtractContent { scene: with_scene, replay_only: false });
+        extract(&whole, Some(&window), content, &path(name), &place, &Silent).expect("an extract");
         Archive::open(&path(name)).expect("an archive")
     };
     let (west, east) = (part("west.helio", -1e3, 0.0, true), part("east.helio", 0.0, 1e3, true));

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use heliotile_archives::Workspace;
-use heliotile_archives::transfer::{Differences, Selection, diff, extract, merge};
+use heliotile_archives::transfer::{Differences, ExtractContent, Selection, diff, extract, merge};
 use heliotile_archives::writing::{Job, Writer};
 use heliotile_builder::settings::BuildSettings;
 use heliotile_core::archive::format::{BlockKind, TileNumber};
@@ -83,7 +83,8 @@ impl Folder {
         let list = self.path("ids.csv");
         fs::write(&list, format!("receiver\n{}\n", ids.join("\n"))).expect("a writable folder");
         let (archive, list) = (self.open(from)?, Selection::Receivers(list));
-        Ok(extract(&archive, &list, true, &self.path(output), &self.workspace(), &Silent)?.written.receivers)
+        let content = ExtractContent { scene: true, replay_only: false };
+        Ok(extract(&archive, Some(&list), content, &self.path(output), &self.workspace(), &Silent)?.written.receivers)
     }
 
     fn diff(&self, first: &str, second: &str) -> Differences {

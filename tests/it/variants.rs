@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::Command;
 
 use glam::DVec3;
-use heliotile_builder::pipeline::{BuildReport, Kept, ReusedArchives};
+use heliotile_builder::pipeline::{BuildReport, ReusedArchives, ReusedCounts};
 use heliotile_builder::settings::BuildSettings;
 use heliotile_core::archive::Archive;
 use heliotile_core::hemisphere::{mix, unit};
@@ -228,7 +228,7 @@ fn a_variant_has_the_bytes_of_a_fresh_build() {
         let path = folder.path().join(format!("{name}.helio"));
         base.build(&path, None);
         let before = Archive::open(&path).expect("an archive");
-        let (mut kept, mut all) = (Kept::default(), Kept::default());
+        let (mut kept, mut all) = (ReusedCounts::default(), ReusedCounts::default());
         let edits = count() / 3 + usize::from(number < count() % 3);
         // One edit grows the site to a side: its origin moves, and cells of 1024 m are among those
         // that stay.

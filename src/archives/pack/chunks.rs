@@ -84,6 +84,8 @@ impl Chunks {
     ) -> Result<()> {
         let number = self.next();
         for mut block in blocks {
+            // Neither the checksum nor the content id depends on the number, so encoded bytes stay
+            // valid.
             block.entry.tile = number;
             writer.append(block)?;
         }

@@ -57,6 +57,7 @@ pub fn merge([a, b]: [&Archive; 2], path: &Path, workspace: &Workspace, observer
     conflicts.check(a.path(), b.path())?;
     output.materials(a)?;
     output.scene(&[a, b])?;
+    // Blocks are written kind by kind, as by a build, so receivers are read again for each kind.
     output.responses(both::<Response>(&of_a, &of_b).map(|side| side.map(Side::first)))?;
     output.overview(&[a, b], both::<Shown>(&of_a, &of_b).map(|side| side.map(Side::first)))?;
     output.name_index(workspace, both::<()>(&of_a, &of_b).map(|side| side.map(Side::first)))?;

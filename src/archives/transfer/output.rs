@@ -245,6 +245,7 @@ impl<'a> ArchiveAssembly<'a> {
         let (mut count, mut tiles) = (0, 0);
         let progress = Stage::begin(self.observer, what, None);
         loop {
+            // A multiple of TILE, so that only the last tile of all is not full.
             let some = TILE * rayon::current_num_threads();
             let batch: Vec<LayeredReceiver<L>> = rows.by_ref().take(some).collect::<Result<_>>()?;
             if batch.is_empty() {
@@ -255,6 +256,7 @@ impl<'a> ArchiveAssembly<'a> {
             let blocks: Vec<Vec<EncodedBlock>> = batch.par_chunks(TILE).enumerate().map(pack).collect::<Result<_>>()?;
             count += batch.len() as u64;
             tiles += blocks.len() as u32;
+            // Appended in the order of tiles, so that bytes do not depend on the number of threads.
             blocks.into_iter().flatten().try_for_each(|block| self.writer.append(block))?;
         }
     }

@@ -68,6 +68,7 @@ impl Marks {
             if ahead.is_empty() {
                 ahead = keys.by_ref().take(AHEAD).collect::<Result<_>>()?;
                 let mut chunks: Vec<usize> = ahead.iter().filter_map(|key| source.chunk_of(key)).collect();
+                // Keys ascend, so keys of one chunk are neighbours.
                 chunks.dedup();
                 source.expect(chunks);
             }

@@ -25,6 +25,7 @@ pub const VERSION: u16 = 1;
 pub const SUM_SIZE: usize = 32;
 /// Size of the header with its checksum, bytes.
 pub const HEADER_SIZE: usize = 208;
+/// Size of the fields of [`Header`], which its checksum covers, bytes.
 const HEADER_CHECKED: usize = 176;
 /// Size of a batch without its entries and its checksum, bytes.
 pub const BATCH_SIZE: usize = 16;

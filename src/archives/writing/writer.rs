@@ -317,6 +317,7 @@ impl Writer {
             ..Slot::building()
         };
         for offset in SLOT_OFFSETS {
+            // The two slots are equal: if one is torn, its checksum is wrong, and the other counts.
             self.partial.write(offset, &slot.encode())?;
         }
         self.partial.sync()?;
@@ -338,6 +339,7 @@ impl Writer {
             let source = io::Error::other("an earlier write or sync of this build failed");
             return Err(Error::Io { path: self.partial.path().to_path_buf(), action: "go on writing", source });
         }
+        // Set before the work, so that an early return and a panic both leave it set.
         self.failed = true;
         let done = work(self)?;
         self.failed = false;

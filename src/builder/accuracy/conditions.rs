@@ -30,6 +30,7 @@ fn spread(count: usize) -> Vec<Condition> {
     let condition = |i: usize| {
         let sine = low + (high - low) * mirrored_bits(i as u32);
         let altitude_deg = sine.asin().to_degrees();
+        // Multiples of the golden section are even on a circle for any number of suns.
         let azimuth_deg = (i as f64 * 0.618_033_988_749_894_9).fract() * 360.0;
         let (clear, clear_dhi) = clear_sky(sine);
         // The kind of sky has a sequence of its own (Roberts 2018), or some kinds would have high

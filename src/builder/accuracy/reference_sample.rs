@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 
 use crate::accuracy::trial::{Bench, ErrorSource, Irradiances};
-use crate::reference::comparison::{Pair, SunErrors, deviation, mean_w_m2, rmse_known};
+use crate::reference::comparison::{Pair, SunErrors, deviation, mean_w_m2, rmse_interval};
 use crate::reference::groups::by_sky_view;
 use crate::reference::hours::{HourKind, HourSample, HoursFound};
 use crate::reference::{PARTS, PathTracer, ReferenceLight, ReferenceSky, reference_pairs, spread};
@@ -183,7 +183,7 @@ impl<'a> ReferenceSample<'a> {
                 (result - reference, pair.reference.by_reflections_error[source as usize])
             };
             let suns = if source == ErrorSource::Sky { &suns[..] } else { &[] };
-            percent(rmse_known(&pairs, suns, difference).value, mean)
+            percent(rmse_interval(&pairs, suns, difference).value, mean)
         };
         let hours = self.hours_of(light).found();
         let shaded = hours.iter().find(|found| found.kind == HourKind::NoDirectSun);

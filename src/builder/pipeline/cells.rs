@@ -61,7 +61,7 @@ impl SiteTracer<'_> {
         writer: &mut Writer,
         rays: &mut RayCounts,
     ) -> Result<Written> {
-        if self.keeping().is_some() {
+        if self.preview().is_some() {
             return self.update_probes(keys, writer, rays);
         }
         let texture = self.directions(CellKind::Probes);
@@ -166,7 +166,7 @@ impl SiteTracer<'_> {
 
     /// Traces and writes all bounce cells that can be reached from `start`: the closed system.
     pub fn write_bounces(&self, start: CellSet, writer: &mut Writer, rays: &mut RayCounts) -> Result<u64> {
-        if self.keeping().is_some() {
+        if self.preview().is_some() {
             return self.update_bounces(start, writer, rays);
         }
         // The index is written after all chunks, so a resumed build holds all cells if it is there.

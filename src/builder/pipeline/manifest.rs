@@ -2,7 +2,7 @@
 //! manifest, blocks of tables.
 
 use super::plan::Plan;
-use super::preview::Keeping;
+use super::preview::PreviewState;
 use super::site_tracer::SiteTracer;
 use heliotile_archives::pack::COMPRESSION;
 use heliotile_core::archive::format::TileNumber;
@@ -92,7 +92,7 @@ impl SiteTracer<'_> {
             settings: self.settings.stated(),
             accuracy: plan.accuracy.clone(),
             negligible: plan.negligible.clone(),
-            preview: self.keeping().map(Keeping::stated),
+            preview: self.preview().map(PreviewState::stated),
             place: self.scene.place,
             ground: self.scene.ground.clone(),
             counts: manifest::CellCounts { probes: counts.probes, bounce_cells: counts.bounce_cells },

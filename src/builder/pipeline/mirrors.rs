@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3};
 use super::site_tracer::SiteTracer;
 use crate::settings::Effect;
 use crate::trace::Ray;
-use crate::trace::mirror::{End, Look, Met, MirrorRay, Reflections};
+use crate::trace::mirror::{End, Look, MirrorRay, ReflectedHit, Reflections};
 use crate::trace::probe::{Directions, ProbeTrace, lifted};
 use crate::trace::receiver::{CellSettings, HitTrace};
 use crate::trace::surroundings::{Surroundings, seen_from};
@@ -33,7 +33,7 @@ impl SiteTracer<'_> {
         let mut paths = Vec::new();
         let mut lost = 0.0;
         for ((texel, start), (met, end)) in hits.mirrors.iter().zip(reflections.follow(&starts, rays)) {
-            let path = |met: Met| {
+            let path = |met: ReflectedHit| {
                 let level = cells.level(met.length_m, texel_angle);
                 MirrorPath { texel: *texel as u32, cell: reflections.cell(&met, level), steps: met.steps }
             };
@@ -43,6 +43,7 @@ impl SiteTracer<'_> {
             }
             paths.extend(met.into_iter().map(path));
         }
+        // A texel has 2 pi / n^2 sr, of the pi of a cosine-weighted hemisphere.
         note_lost(&self.lost[0], lost * 2.0 / (self.settings.hit * self.settings.hit) as f64);
         paths
     }
@@ -122,7 +123,7 @@ impl SiteTracer<'_> {
             if end == End::Cut {
                 lost += met.last().map_or(0.0, |met| left(&met.steps, &self.reflectors));
             }
-            let path = |met: Met| {
+            let path = |met: ReflectedHit| {
                 let cell = seen_from(key, met.length_m, closed, |level| reflections.cell(&met, level));
                 CellPath { up: *up, cell, steps: met.steps }
             };

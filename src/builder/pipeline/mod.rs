@@ -3,18 +3,18 @@
 //! makes a forecast first ([`Build::forecast`]), then [`Build::write`]. Never: printing, command
 //! lines.
 
-mod before;
 mod canopies;
 mod cells;
 mod forecast;
 mod geometry;
-mod known;
+mod layer_cache;
 mod manifest;
 mod mirrors;
 mod output;
 mod plan;
 mod prepared;
 mod preview;
+mod previous_build;
 mod report;
 mod sample;
 mod site_tracer;
@@ -29,7 +29,6 @@ use crate::receiver_tiles::ReceiverTiles;
 use crate::settings::{BuildSettings, EffectChoice};
 use crate::trace::Tracer;
 use crate::trace::canopy::in_hulls;
-use before::Before;
 use heliotile_archives::Workspace;
 use heliotile_archives::writing::{Job, Writer};
 use heliotile_core::archive::format::TileNumber;
@@ -45,8 +44,9 @@ use heliotile_core::text::{Message, message};
 use heliotile_scene::Scene;
 use heliotile_scene::placing::plausible::far_receivers;
 use heliotile_scene::points::receivers::{ReceiverCsv, ReceiverRows};
-use known::Known;
-use preview::Keeping;
+use layer_cache::LayerCache;
+use preview::PreviewState;
+use previous_build::PreviousBuild;
 use report::Clock;
 use site_tracer::SiteTracer;
 use tiles::TilesFound;
@@ -57,7 +57,7 @@ pub use manifest::BuildCounts;
 pub use output::{Output, Start};
 pub use plan::Plan;
 pub use prepared::{Below, PreparedScene};
-pub use report::{BuildReport, Kept, RayCounts};
+pub use report::{BuildReport, RayCounts, ReusedCounts};
 
 /// Reads the receivers of a table into tiles. Warns of ignored columns and of receivers far
 /// from the scene.
@@ -146,7 +146,7 @@ impl Build<'_> {
         effects: EffectChoice,
         negligible: Option<&Negligible>,
     ) -> Result<Forecast> {
-        let (facts, known) = (self.facts(settings, &self.workspace.folder)?, Known::default());
+        let (facts, known) = (self.facts(settings, &self.workspace.folder)?, LayerCache::default());
         let tracer = SiteTracer::new(self.scene, settings, self.workspace, self.observer, facts, known, None);
         tracer.forecast(self.receivers, self.scene.mirrors.orientations.len(), effects, negligible)
     }
@@ -159,11 +159,11 @@ impl Build<'_> {
         let (scene, settings) = (self.scene.scene, &plan.settings);
         let mut clock = Clock::after("tree", self.scene.seconds);
         let facts = self.facts(settings, &output.path)?;
-        let known = Known::new(sources.earlier, &facts);
-        let open = |archive| Before::open(archive, self.scene, settings, self.observer);
+        let known = LayerCache::new(sources.earlier, &facts);
+        let open = |archive| PreviousBuild::open(archive, self.scene, settings, self.observer);
         let mut before = sources.before.map(open).transpose()?.flatten();
         if let Some(before) = &mut before {
-            before.preview = plan.preview_percent.and_then(|percent| self.keeping(percent, before, settings));
+            before.preview = plan.preview_percent.and_then(|percent| self.preview_within(percent, before, settings));
             clock.lap("compare");
         }
         let mut writer = output.writer(&Job {
@@ -178,7 +178,7 @@ impl Build<'_> {
         }
         let tracer = SiteTracer::new(self.scene, settings, self.workspace, self.observer, facts, known, before);
         let traced = trace(&tracer, plan, self.receivers, &mut writer, &mut clock);
-        if matches!(traced, Err(Error::Io { .. })) && tracer.keeping().is_none() {
+        if matches!(traced, Err(Error::Io { .. })) && tracer.preview().is_none() {
             // If another file failed, such as a temporary one, the blocks written so far can be
             // kept.
             let _ = writer.checkpoint();
@@ -189,8 +189,8 @@ impl Build<'_> {
             clock.lap("finish");
             let Traced { counts, rays, warnings, lost_in_mirrors, .. } = traced;
             let (bytes, root) = (summary.bytes, summary.root);
-            let kept = tracer.before.as_ref().map(Before::kept);
-            let preview = tracer.keeping().map(Keeping::stated);
+            let kept = tracer.before.as_ref().map(PreviousBuild::reused);
+            let preview = tracer.preview().map(PreviewState::stated);
             Ok(BuildReport { counts, rays, seconds: clock.laps, bytes, root, warnings, lost_in_mirrors, kept, preview })
         };
         traced.and_then(finish).map_err(|error| output::kept(error, kept))

@@ -22,8 +22,8 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::Build;
-use super::before::{Before, PLANE};
 use super::cells::{BounceCells, Cast, Written};
+use super::previous_build::{PLANE, PreviousBuild};
 use super::report::RayCounts;
 use super::site_tracer::SiteTracer;
 use super::tiles::CopiedTile;
@@ -51,19 +51,19 @@ use heliotile_core::site::receiver::Receiver;
 const GROUP: usize = 64;
 
 /// Layers that a preview keeps.
-pub(super) struct Keeping {
+pub(super) struct PreviewState {
     percent: f64,
     reach: Reach,
     /// Share of a cell's light that the change may fill, below which the cell is kept.
     unasked: f64,
     /// Upper bounds of how much the light on probes alters. Probes that are not in the map alter by
-    /// less than [`Keeping::small`].
+    /// less than [`PreviewState::small`].
     alters: Mutex<CellMap<f32>>,
     /// Number of receivers whose responses are kept.
     receivers: AtomicU64,
 }
 
-impl Keeping {
+impl PreviewState {
     /// Returns the preview as the manifest states it.
     pub fn stated(&self) -> Preview {
         let kept_receivers = self.receivers.load(Ordering::Relaxed);
@@ -108,7 +108,12 @@ fn surface(cells: &Cells, row: usize, change: &Change) -> SurfacePlace {
 
 impl Build<'_> {
     /// Returns what is kept within a bound. Warns and returns `None` if nothing can be bounded.
-    pub(super) fn keeping(&self, percent: f64, before: &Before, settings: &BuildSettings) -> Option<Keeping> {
+    pub(super) fn preview_within(
+        &self,
+        percent: f64,
+        before: &PreviousBuild,
+        settings: &BuildSettings,
+    ) -> Option<PreviewState> {
         if self.scene.reflects(settings) || before.file.has(format::MIRRORS, TileNumber::FIRST) {
             self.observer.warn(
                 "the scene has mirrors, so a change may show anywhere: {preview} has no effect, and the whole archive is built",
@@ -118,7 +123,7 @@ impl Build<'_> {
         let brightest = self.scene.scene.materials.iter().map(|material| material.diffuse).fold(0.0, f64::max);
         let unasked = (percent / 100.0 * (1.0 - brightest) / brightest).min(1.0);
         let reach = Reach::new(&before.change, brightest);
-        Some(Keeping { percent, reach, unasked, alters: Mutex::default(), receivers: AtomicU64::new(0) })
+        Some(PreviewState { percent, reach, unasked, alters: Mutex::default(), receivers: AtomicU64::new(0) })
     }
 }
 
@@ -145,20 +150,20 @@ struct Updated {
 }
 
 /// Chunk of the archive before, with the present numbers of materials.
-struct Held {
+struct PreviousChunk {
     cells: Cells,
     /// Cells that see a material which is gone.
     lost: Vec<CellKey>,
 }
 
-impl Before<'_> {
-    fn held(&self, kind: CellKind, chunk: usize) -> Result<Held> {
+impl PreviousBuild<'_> {
+    fn previous_chunk(&self, kind: CellKind, chunk: usize) -> Result<PreviousChunk> {
         let Some(source) = self.archive.source(kind).filter(|source| chunk < source.firsts().len()) else {
-            return Ok(Held { cells: Cells::default(), lost: Vec::new() });
+            return Ok(PreviousChunk { cells: Cells::default(), lost: Vec::new() });
         };
         let cells = source.chunk(chunk)?;
         if self.same_numbers {
-            return Ok(Held { cells, lost: Vec::new() });
+            return Ok(PreviousChunk { cells, lost: Vec::new() });
         }
         let (mut lost, mut kept) = (Vec::new(), Vec::new());
         for row in 0..cells.rows() {
@@ -167,7 +172,7 @@ impl Before<'_> {
                 None => lost.extend(self.now(cells.keys[row])),
             }
         }
-        Ok(Held { cells: Cells::new(&kept), lost })
+        Ok(PreviousChunk { cells: Cells::new(&kept), lost })
     }
 
     /// Returns `[chunk]`: a key above all keys of the chunks before and not above any key in the
@@ -178,7 +183,7 @@ impl Before<'_> {
             return Ok(firsts.iter().copied().map(Some).collect());
         }
         let first = |chunk: usize| {
-            let Held { cells, lost } = self.held(kind, chunk)?;
+            let PreviousChunk { cells, lost } = self.previous_chunk(kind, chunk)?;
             Ok(cells.keys.first().into_iter().chain(lost.first()).min().copied())
         };
         let mut starts: Vec<Option<CellKey>> = (0..firsts.len()).into_par_iter().map(first).collect::<Result<_>>()?;
@@ -198,11 +203,11 @@ impl SiteTracer<'_> {
         writer: &mut Writer,
         rays: &mut RayCounts,
     ) -> Result<Written> {
-        let (Some(keeping), kind) = (self.keeping(), CellKind::Probes) else { return Ok(Written::default()) };
+        let (Some(preview), kind) = (self.preview(), CellKind::Probes) else { return Ok(Written::default()) };
         let texture = self.directions(kind);
         let mut seen = CellSet::default();
         let mut alters = CellMap::default();
-        let update = |held: &Held, wanted| {
+        let update = |held: &PreviousChunk, wanted| {
             let mut retraced = self.again(kind, held, wanted, &texture);
             retraced.alters = self.alters_of(&held.cells, &retraced.cells);
             retraced
@@ -219,7 +224,7 @@ impl SiteTracer<'_> {
                 rays.probe += retraced.cast.plain;
             },
         )?;
-        *keeping.alters.lock().unwrap_or_else(PoisonError::into_inner) = alters;
+        *preview.alters.lock().unwrap_or_else(PoisonError::into_inner) = alters;
         Ok(Written { count, seen })
     }
 
@@ -232,7 +237,7 @@ impl SiteTracer<'_> {
         let chunks: Vec<usize> = (0..before.starts(kind)?.len()).collect();
         for batch in chunks.chunks(2 * rayon::current_num_threads()) {
             let again = |&chunk: &usize| {
-                let held = before.held(kind, chunk)?;
+                let held = before.previous_chunk(kind, chunk)?;
                 let again = self.again(kind, &held, Vec::new(), &texture);
                 Ok((held, again))
             };
@@ -249,19 +254,19 @@ impl SiteTracer<'_> {
         }
         found.wave = reached.into_iter().filter(|key| met.insert(*key)).collect();
         self.close(&mut found, met, writer, rays)?;
-        let as_traced = |_: &Held, cells: Vec<Cell>| Retraced { cells, ..Retraced::default() };
+        let as_traced = |_: &PreviousChunk, cells: Vec<Cell>| Retraced { cells, ..Retraced::default() };
         self.merge_cells(kind, found.sorted(self)?, |cell| cell.key, as_traced, writer, |_| {})
     }
 
     /// Traces the cells of a chunk that may see the change, those that see a material which is
     /// gone, and the wanted ones.
-    fn again(&self, kind: CellKind, held: &Held, wanted: Vec<CellKey>, texture: &Directions) -> Retraced {
-        let (Some(before), Some(keeping)) = (&self.before, self.keeping()) else { return Retraced::default() };
-        let Held { cells, lost } = held;
+    fn again(&self, kind: CellKind, held: &PreviousChunk, wanted: Vec<CellKey>, texture: &Directions) -> Retraced {
+        let (Some(before), Some(preview)) = (&self.before, self.preview()) else { return Retraced::default() };
+        let PreviousChunk { cells, lost } = held;
         let altered = |row: &usize| {
             // Which points of a doubtful cell are hidden depends on more than what the cell sees.
             let asked =
-                cells.doubtful[*row] || keeping.reach.in_view(surface(cells, *row, &before.change)) >= keeping.unasked;
+                cells.doubtful[*row] || preview.reach.in_view(surface(cells, *row, &before.change)) >= preview.unasked;
             asked && !self.stands(&cells.cell(*row), before, texture, self.looks(kind))
         };
         let altered: Vec<CellKey> =
@@ -288,23 +293,23 @@ impl SiteTracer<'_> {
     /// Returns upper bounds of how much the light on some probes alters, and on those that are
     /// traced again, where it is not small.
     fn alters_of(&self, cells: &Cells, traced: &[Cell]) -> Vec<(CellKey, f32)> {
-        let (Some(before), Some(keeping)) = (&self.before, self.keeping()) else { return Vec::new() };
+        let (Some(before), Some(preview)) = (&self.before, self.preview()) else { return Vec::new() };
         let replaced: CellSet = traced.iter().map(|cell| cell.key).collect();
         let traced = Cells::new(traced);
         let mut alters = Vec::new();
         for (cells, are_traced) in [(cells, false), (&traced, true)] {
             let reflected = |key: &CellKey| {
                 let (middle, spread_m) = before.change.middle(*key);
-                let all = keeping.reach.by_all_ways(SurfacePlace { middle, spread_m, normal: None });
+                let all = preview.reach.by_all_ways(SurfacePlace { middle, spread_m, normal: None });
                 self.reflectors.get(usize::from(key.material)).map_or(0.0, |of| of.diffuse) * all
             };
             let seen: Vec<f64> = cells.seen.iter().map(reflected).collect();
             for row in (0..cells.rows()).filter(|row| are_traced || !replaced.contains(&cells.keys[*row])) {
-                let in_view = keeping.reach.in_view(surface(cells, row, &before.change));
+                let in_view = preview.reach.in_view(surface(cells, row, &before.change));
                 let leaves = cells.canopy_of(row).map_or_else(Vec::new, |canopy| canopy.leaves(&Powers::new()));
                 let leaves: f64 = leaves.iter().map(|(key, share)| reflected(key) * f64::from(*share)).sum();
                 // Of the other cells it is known that they do not see the change.
-                let mut most = leaves + if are_traced || in_view < keeping.unasked { in_view } else { 0.0 };
+                let mut most = leaves + if are_traced || in_view < preview.unasked { in_view } else { 0.0 };
                 let (hits, normal) = (cells.hits_of(row), cells.normals[row]);
                 let from = |around: Surround| -> f64 {
                     let [below, above] = each_ray(hits, around);
@@ -314,10 +319,10 @@ impl SiteTracer<'_> {
                 // First count all that is above the horizon, as if none of it were sky; this bound
                 // is cheaper.
                 let half = SidesOf(cells.keys[row]).above(f64::from(normal[2]));
-                if most + from(Surround { up: half, down: 1.0 - half }) > keeping.small() {
+                if most + from(Surround { up: half, down: 1.0 - half }) > preview.small() {
                     most += from(surround(cells.keys[row], normal, cells.bits_of(row), &self.probe_centres));
                 }
-                if most > keeping.small() {
+                if most > preview.small() {
                     alters.push((cells.keys[row], most as f32));
                 }
             }
@@ -332,7 +337,7 @@ impl SiteTracer<'_> {
         kind: CellKind,
         others: impl Iterator<Item = Result<T>>,
         key: fn(&T) -> CellKey,
-        update: impl Fn(&Held, Vec<T>) -> Retraced + Sync,
+        update: impl Fn(&PreviousChunk, Vec<T>) -> Retraced + Sync,
         writer: &mut Writer,
         mut told: impl FnMut(&Retraced),
     ) -> Result<u64> {
@@ -357,7 +362,7 @@ impl SiteTracer<'_> {
                 parts.push((chunk, part));
             }
             let updated = |(chunk, part): (usize, Vec<T>)| {
-                let held = before.held(kind, chunk)?;
+                let held = before.previous_chunk(kind, chunk)?;
                 let retraced = update(&held, part);
                 let pieces = self.pieces(kind, chunk, held, &retraced.cells, &chunks)?;
                 Ok(Updated { pieces, retraced })
@@ -381,7 +386,7 @@ impl SiteTracer<'_> {
         &self,
         kind: CellKind,
         chunk: usize,
-        held: Held,
+        held: PreviousChunk,
         changed: &[Cell],
         chunks: &Chunks,
     ) -> Result<Vec<Piece>> {
@@ -408,22 +413,22 @@ impl SiteTracer<'_> {
     /// Copies the responses of those copied tiles whose reflected light alters by less than the
     /// bound.
     pub(super) fn keep_responses(&self, copied: &[CopiedTile], writer: &mut Writer) -> Result<()> {
-        let (Some(before), Some(keeping)) = (&self.before, self.keeping()) else { return Ok(()) };
+        let (Some(before), Some(preview)) = (&self.before, self.preview()) else { return Ok(()) };
         if !before.same_light {
             self.observer.note("reflectances or transmittances have changed: all reflected light is calculated again");
             return Ok(());
         }
-        let alters = std::mem::take(&mut *keeping.alters.lock().unwrap_or_else(PoisonError::into_inner));
+        let alters = std::mem::take(&mut *preview.alters.lock().unwrap_or_else(PoisonError::into_inner));
         for group in copied.chunks(GROUP) {
             let site = OpenSite::over(&*writer, Arc::clone(&self.facts));
             let kept = |of: &CopiedTile| {
                 let view = TileView::read(&site, of.tile)?;
-                if self.tile_alters(&view, of.direct, keeping, &alters) > keeping.share() {
+                if self.tile_alters(&view, of.direct, preview, &alters) > preview.share() {
                     return Ok(None);
                 }
                 let block = before.copy(format::RESPONSE, TileNumber(of.from), TileNumber(of.tile))?;
                 Ok(block.inspect(|_| {
-                    keeping.receivers.fetch_add(view.viewers.len() as u64, Ordering::Relaxed);
+                    preview.receivers.fetch_add(view.viewers.len() as u64, Ordering::Relaxed);
                 }))
             };
             let blocks: Vec<Option<EncodedBlock>> = group.par_iter().map(kept).collect::<Result<_>>()?;
@@ -435,9 +440,9 @@ impl SiteTracer<'_> {
 
     /// Returns an upper bound of how much the change alters the light of any receiver of a tile, as
     /// a share of the light on open ground. `direct` is the bound for its direct light.
-    fn tile_alters(&self, view: &TileView, direct: f64, keeping: &Keeping, alters: &CellMap<f32>) -> f64 {
+    fn tile_alters(&self, view: &TileView, direct: f64, preview: &PreviewState, alters: &CellMap<f32>) -> f64 {
         let of_cell = |key: &CellKey| {
-            let most = alters.get(key).map_or(keeping.small(), |most| f64::from(*most));
+            let most = alters.get(key).map_or(preview.small(), |most| f64::from(*most));
             // Its material is one of the scene's.
             self.reflectors[usize::from(key.material)].diffuse * most
         };
@@ -449,8 +454,10 @@ impl SiteTracer<'_> {
         };
         let direct = direct + view.canopies.iter().map(by_leaves).fold(0.0, f64::max);
         let bound = |(viewer, texels): (&Viewer, &[u32])| {
+            // A bound without weights comes first: as if the cell that alters most filled all but
+            // the sky.
             let at_most = direct + most * (1.0 - viewer.sky_view);
-            if at_most <= keeping.share() {
+            if at_most <= preview.share() {
                 return at_most;
             }
             let met = texels.iter().zip(texel_weights(texels, viewer)).filter(|(cell, _)| **cell != 0);

@@ -25,14 +25,14 @@ pub struct BuildReport {
     /// followed.
     pub lost_in_mirrors: [f64; 2],
     /// Numbers of layers kept from the archive before a change; `None` if none was used.
-    pub kept: Option<Kept>,
+    pub kept: Option<ReusedCounts>,
     /// Preview as the archive states it, if it is one.
     pub preview: Option<Preview>,
 }
 
 /// Numbers of layers that a change of the scene left as they were.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Kept {
+pub struct ReusedCounts {
     /// Receivers whose hits are unchanged.
     pub receivers: u64,
     /// Probes that were not traced.

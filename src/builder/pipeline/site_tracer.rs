@@ -6,10 +6,10 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
 use super::Workspace;
-use super::before::Before;
-use super::known::Known;
+use super::layer_cache::LayerCache;
 use super::prepared::PreparedScene;
-use super::preview::Keeping;
+use super::preview::PreviewState;
+use super::previous_build::PreviousBuild;
 use crate::settings::{BuildSettings, Effect};
 use crate::trace::Tracer;
 use crate::trace::canopy::Canopies;
@@ -38,9 +38,9 @@ pub(super) struct SiteTracer<'a> {
     pub memory: MemoryBudget,
     /// Facts of the site that are known before the archive is complete.
     pub facts: Arc<SiteFacts>,
-    pub known: Known<'a>,
+    pub known: LayerCache<'a>,
     /// Archive of the scene before it was changed.
-    pub before: Option<Before<'a>>,
+    pub before: Option<PreviousBuild<'a>>,
     /// Tracer of mirrors; `None` if there are none.
     pub reflections: Option<Reflections<'a>>,
     /// Largest shares of light that were lost behind the last mirror followed, as bits of an f64:
@@ -58,8 +58,8 @@ impl<'a> SiteTracer<'a> {
         workspace: &Workspace,
         observer: &'a dyn Observer,
         facts: SiteFacts,
-        known: Known<'a>,
-        before: Option<Before<'a>>,
+        known: LayerCache<'a>,
+        before: Option<PreviousBuild<'a>>,
     ) -> Self {
         let scene = ready.scene;
         let reflections =
@@ -90,7 +90,7 @@ impl<'a> SiteTracer<'a> {
     }
 
     /// Returns the layers that a preview keeps; `None` if the archive is to be complete.
-    pub fn keeping(&self) -> Option<&Keeping> {
+    pub fn preview(&self) -> Option<&PreviewState> {
         self.before.as_ref()?.preview.as_ref()
     }
 
@@ -102,7 +102,7 @@ impl<'a> SiteTracer<'a> {
 
     /// Writes a checkpoint if one is due, and ends the build if the user stopped it.
     pub fn checkpoint(&self, writer: &mut Writer) -> Result<()> {
-        if self.keeping().is_some() {
+        if self.preview().is_some() {
             // A preview takes seconds, so it is not resumed.
             let stopped = || Error::Stopped { what: "before the preview was complete".into() };
             return if self.observer.cancelled() { Err(stopped()) } else { Ok(()) };

@@ -6,10 +6,10 @@ use glam::DVec3;
 
 use rayon::prelude::*;
 
-use super::before::Before;
+use super::previous_build::PreviousBuild;
 use super::report::{Clock, RayCounts};
 use super::site_tracer::SiteTracer;
-use crate::pipeline::known::KnownReceiver;
+use crate::pipeline::layer_cache::KnownReceiver;
 use crate::receiver_tiles::ReceiverTiles;
 use crate::settings::Effect;
 use crate::trace::hidden::is_reached;
@@ -306,7 +306,13 @@ impl SiteTracer<'_> {
 
     /// Traces a receiver that was traced before the scene was changed, with rays only where the
     /// change may show.
-    fn changed_receiver(&self, receiver: &Receiver, known: &KnownReceiver, before: &Before, fans: &SkyFans) -> Traced {
+    fn changed_receiver(
+        &self,
+        receiver: &Receiver,
+        known: &KnownReceiver,
+        before: &PreviousBuild,
+        fans: &SkyFans,
+    ) -> Traced {
         let view = self.viewpoint(receiver);
         let seen = before.seen(&view, self);
         let sky = before.sky(&view, known, &seen, fans, self);

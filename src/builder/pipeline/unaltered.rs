@@ -4,7 +4,7 @@
 
 use std::sync::atomic::Ordering;
 
-use super::before::Before;
+use super::previous_build::PreviousBuild;
 use super::site_tracer::SiteTracer;
 use super::tiles::{BLIND, CopiedTile, TracedTile};
 use crate::settings::Effect;
@@ -16,7 +16,7 @@ use heliotile_core::error::Result;
 use heliotile_core::layers::hit::HitTile;
 use heliotile_core::site::receiver::Receiver;
 
-impl Before<'_> {
+impl PreviousBuild<'_> {
     /// Copies a block of the archive, under another number.
     pub fn copy(&self, kind: BlockKind, tile: TileNumber, to: TileNumber) -> Result<Option<EncodedBlock>> {
         let Some(entry) = self.file.entry(kind, tile) else { return Ok(None) };
@@ -62,7 +62,7 @@ impl SiteTracer<'_> {
         }
         let Some((from, table)) = before.archive.tile_of(receivers) else { return Ok(None) };
         let preview = before.preview.as_ref();
-        let direct = preview.and_then(|keeping| keeping.direct(receivers, self, &before.change));
+        let direct = preview.and_then(|preview| preview.direct(receivers, self, &before.change));
         // A receiver's own rays do not tell if light reaches it when it sees no sky. The factor 2
         // allows for the f32 values of the table.
         let blind = || table.sky_view.iter().any(|view| f64::from(*view) < 2.0 * BLIND);
@@ -100,7 +100,7 @@ impl SiteTracer<'_> {
 
     /// Returns true if the change alters what some receivers of a tile see, or if that cannot be
     /// read.
-    fn alters(&self, before: &Before, from: u32, receivers: &[Receiver], fans: &SkyFans) -> bool {
+    fn alters(&self, before: &PreviousBuild, from: u32, receivers: &[Receiver], fans: &SkyFans) -> bool {
         let views = receivers.iter().map(|receiver| self.viewpoint(receiver));
         let views: Vec<_> = views.map(|view| (view, before.seen(&view, self))).collect();
         let towards = || views.iter().enumerate().filter(|(_, (_, seen))| !seen.is_nothing());

@@ -38,7 +38,7 @@ pub struct Pair {
 
 /// Estimate with an interval of 95 %.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Known {
+pub struct ConfidenceInterval {
     /// Best estimate.
     pub value: f64,
     /// Lower end of the interval.
@@ -47,11 +47,11 @@ pub struct Known {
     pub high: f64,
 }
 
-impl Known {
+impl ConfidenceInterval {
     /// Returns the estimate in another unit.
     #[must_use]
     pub fn times(self, factor: f64) -> Self {
-        Known { value: self.value * factor, low: self.low * factor, high: self.high * factor }
+        ConfidenceInterval { value: self.value * factor, low: self.low * factor, high: self.high * factor }
     }
 }
 
@@ -59,10 +59,10 @@ impl Known {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Deviation {
     /// Mean difference, W/m2: above 0 if results are too large.
-    pub bias_w_m2: Known,
+    pub bias_w_m2: ConfidenceInterval,
     /// RMSE, W/m2. The noise of the path tracer is subtracted, so that the number of paths does not
     /// matter.
-    pub rmse_w_m2: Known,
+    pub rmse_w_m2: ConfidenceInterval,
     /// Pair with the largest difference beyond noise.
     pub worst: Option<Pair>,
 }
@@ -137,7 +137,11 @@ pub fn deviation(pairs: &[Pair], suns: &[SunErrors], part: usize) -> Deviation {
 /// Returns the RMSE of any difference of pairs, W/m2, from each pair's difference and the standard
 /// error of the path tracer. With `suns`, as for [`deviation`], the difference must hold all of
 /// `OF_SUN`.
-pub fn rmse_known(pairs: &[Pair], suns: &[SunErrors], difference: impl Fn(&Pair) -> (f64, f64)) -> Known {
+pub fn rmse_interval(
+    pairs: &[Pair],
+    suns: &[SunErrors],
+    difference: impl Fn(&Pair) -> (f64, f64),
+) -> ConfidenceInterval {
     bias_and_rmse(pairs, suns, [true; OF_SUN.len()], difference, PARTS as u64)[1]
 }
 
@@ -149,7 +153,7 @@ fn bias_and_rmse(
     held: [bool; OF_SUN.len()],
     difference: impl Fn(&Pair) -> (f64, f64),
     seed: u64,
-) -> [Known; 2] {
+) -> [ConfidenceInterval; 2] {
     let sun_of = |sums: [Sums; OF_SUN.len()]| {
         let held = sums.into_iter().zip(held).filter(|(_, held)| *held).map(|(sums, _)| sums);
         Sums { count: sums[0].count, ..held.fold(Sums::default(), Sums::plus) }
@@ -186,7 +190,7 @@ fn bias_and_rmse(
         let mut sorted: Vec<f64> = drawn.iter().map(|figures| figures[figure]).collect();
         sorted.sort_by(f64::total_cmp);
         let at = |share: f64| sorted.get((share * sorted.len() as f64) as usize).copied().unwrap_or(values[figure]);
-        Known { value: values[figure], low: at(TAIL), high: at(1.0 - TAIL) }
+        ConfidenceInterval { value: values[figure], low: at(TAIL), high: at(1.0 - TAIL) }
     };
     [known(0), known(1)]
 }
@@ -222,12 +226,14 @@ mod tests {
             }
         }
         let found = deviation(&pairs, &[], 6);
-        let holds = |known: Known, value: f64| known.low < value && value < known.high && known.high - known.low < 1.0;
+        let holds = |known: ConfidenceInterval, value: f64| {
+            known.low < value && value < known.high && known.high - known.low < 1.0
+        };
         assert!(holds(found.bias_w_m2, 1.0) && holds(found.rmse_w_m2, 5.0_f64.sqrt()), "{found:?}");
         assert!((mean_w_m2(&pairs) - 300.0).abs() < 0.5);
         pairs[77].result[6] += 50.0;
         assert_eq!(deviation(&pairs, &[], 6).worst.map(|worst| (worst.receiver, worst.condition)), Some((19, 1)));
-        assert_eq!(deviation(&[], &[], 6).rmse_w_m2, Known::default());
+        assert_eq!(deviation(&[], &[], 6).rmse_w_m2, ConfidenceInterval::default());
     }
 
     /// The sun of 32 receivers is off by 96 W/m2 in one of 256 hours, and all of their other light

@@ -7,7 +7,7 @@
 
 use std::collections::BTreeMap;
 
-use super::comparison::{Known, Pair, deviation, mean_w_m2, rmse_known};
+use super::comparison::{ConfidenceInterval, Pair, deviation, mean_w_m2, rmse_interval};
 use super::estimate::PARTS;
 use super::random::spread;
 use crate::settings::Effect;
@@ -89,11 +89,11 @@ pub struct HoursFound {
     /// Mean total, W/m2.
     pub mean_w_m2: f64,
     /// RMSE of the totals, W/m2.
-    pub rmse_w_m2: Known,
+    pub rmse_w_m2: ConfidenceInterval,
     /// Mean of the light that matt surfaces reflect, W/m2.
     pub reflected_mean_w_m2: f64,
     /// RMSE of the light that matt surfaces reflect, W/m2.
-    pub reflected_w_m2: Known,
+    pub reflected_w_m2: ConfidenceInterval,
     /// Shares of these hours by kind.
     pub mix: Vec<HoursMix<'static>>,
 }
@@ -160,7 +160,7 @@ impl HourSample {
             mean_w_m2: mean_w_m2(&pairs),
             rmse_w_m2: deviation(&pairs, &[], Component::Total as usize).rmse_w_m2,
             reflected_mean_w_m2: mean_of(&pairs, |pair| pair.reference.by_effect[matt]),
-            reflected_w_m2: rmse_known(&pairs, &[], off),
+            reflected_w_m2: rmse_interval(&pairs, &[], off),
             mix: mix_of(&pairs),
         })
     }

@@ -6,7 +6,7 @@ use glam::DVec3;
 use super::carried::Carried;
 use super::random::Random;
 use super::sky::ReferenceSky;
-use super::tracer::{PathTracer, Place, Sums, ray};
+use super::tracer::{PathTracer, PathVertex, Sums, ray};
 use crate::trace::Ray;
 use crate::trace::kernel::ray::Hit;
 use heliotile_core::hemisphere::mix;
@@ -16,7 +16,7 @@ use heliotile_core::site::chain::{MAX_MIRRORS, MirrorPlane};
 /// Query of a place for a point of the sun.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SunLook {
-    place: Place,
+    place: PathVertex,
     /// Direction to the point.
     sun: DVec3,
     /// Throughput for a cosine of 1, as irradiance of the receiver, W/m2.
@@ -45,7 +45,7 @@ impl SunLook {
     /// Returns queries for a point of the sun of each sky, at the same place of its disc. `carried`
     /// is for a DNI of 1 W/m2.
     pub fn at_all(
-        place: Place,
+        place: PathVertex,
         batch: usize,
         carried: Carried,
         skies: &[&ReferenceSky],
@@ -102,7 +102,7 @@ impl PathTracer<'_> {
     /// Follows a ray past its next mirror; `None` if the ray does not hit that mirror.
     fn follow<'l>(&self, mut way: Way<'l>, hit: Hit, passed: usize, through: f64) -> Option<Way<'l>> {
         let (_, orientation) = self.orientation(hit).filter(|(number, _)| way.chain.get(passed) == Some(number))?;
-        let (place, _) = self.place(way.from, way.direction, hit);
+        let (place, _) = self.vertex(way.from, way.direction, hit);
         let cos = orientation.normal.dot(way.direction).abs();
         let reflected = specular(&self.reflectors[usize::from(orientation.material)], cos);
         way.carried = way.carried.through(through).times(reflected).mirrored();
@@ -129,6 +129,7 @@ fn ways<'l>(look: &'l SunLook, orientations: &[MirrorPlane]) -> Vec<Way<'l>> {
         let drawn = if all { there } else { there.min(DRAWN) };
         let chain = move |i: usize| {
             let number = if drawn == there { i as u64 } else { mix(look.seed, (length * DRAWN + i) as u64) };
+            // A chain is a number in base `count`, with a digit for each mirror.
             let digit = |place: usize| (number / (count as u64).pow(place as u32) % count as u64) as u16;
             ((0..length).map(digit).collect(), there as f64 / drawn as f64)
         };

@@ -28,7 +28,7 @@ fn matt(diffuse: f64) -> Material {
 }
 
 /// Receiver, its normal and its components by closed forms.
-type Known = (DVec3, DVec3, [f64; 6]);
+type ClosedForm = (DVec3, DVec3, [f64; 6]);
 
 /// Number of comparisons, those of them that are off by more than 3 standard errors, the sum of
 /// differences in standard errors, and the largest difference relative to the total.
@@ -49,7 +49,7 @@ impl Count {
         triangles: &Triangles,
         materials: Vec<Material>,
         condition: &Condition,
-        known: &[Known],
+        known: &[ClosedForm],
         seeds: u64,
     ) {
         let scene = Scene::from_triangles(triangles, materials).expect("a scene");

@@ -29,9 +29,9 @@ pub struct PathTracer<'a> {
     pub(super) leaves: bool,
 }
 
-/// Place on a surface, where rays start.
+/// Vertex of a light path: a place on a surface, where rays start.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
+pub(super) struct PathVertex {
     /// Position relative to the scene origin, off the surface.
     pub from: DVec3,
     /// Normal on the side that is lit.
@@ -68,9 +68,9 @@ impl<'a> PathTracer<'a> {
         open.into_iter().zip(through).collect()
     }
 
-    /// Returns the place where a ray hits a surface, and the orientation of the mirror if it is
+    /// Returns the vertex where a ray hits a surface, and the orientation of the mirror if it is
     /// one.
-    pub(super) fn place(&self, from: DVec3, direction: DVec3, hit: Hit) -> (Place, Option<MirrorPlane>) {
+    pub(super) fn vertex(&self, from: DVec3, direction: DVec3, hit: Hit) -> (PathVertex, Option<MirrorPlane>) {
         let triangle = hit.triangle as usize;
         let outward = self.mesh.normal(triangle);
         let normal = if outward.dot(direction) > 0.0 { -outward } else { outward };
@@ -80,7 +80,7 @@ impl<'a> PathTracer<'a> {
         let way = way - outward * (way - (corner - from)).dot(outward);
         let grid = self.mesh.grid();
         let from = vector(grid.lifted(grid.absolute(from) + way, normal));
-        (Place { from, normal }, self.orientation(hit).map(|(_, orientation)| orientation))
+        (PathVertex { from, normal }, self.orientation(hit).map(|(_, orientation)| orientation))
     }
 
     /// Returns the number and orientation of the mirror that was hit; `None` if it is no mirror.

@@ -9,7 +9,7 @@ use super::estimate::{BATCHES, Batch, ReferenceLight};
 use super::random::{EVEN, Random, even};
 use super::sky::{ReferenceSky, SkyPlace, cosine};
 use super::sun::SunLook;
-use super::tracer::{PathTracer, Place, Sums, numbered, ray, vector};
+use super::tracer::{PathTracer, PathVertex, Sums, numbered, ray, vector};
 use crate::trace::Ray;
 use crate::trace::canopy::Passage;
 use crate::trace::kernel::ray::Hit;
@@ -53,7 +53,7 @@ impl PathTracer<'_> {
     ) -> Vec<ReferenceLight> {
         let each = paths.div_ceil(BATCHES).max(1);
         let mut sums: Sums = vec![[Batch::default(); BATCHES]; skies.len()];
-        let here = self.receiver_place(position, normal);
+        let here = self.receiver_vertex(position, normal);
         let frame = Frame::new(normal);
         let (mut walkers, mut looks) = (Vec::with_capacity(each * BATCHES), Vec::new());
         for batch in 0..BATCHES {
@@ -104,7 +104,7 @@ impl PathTracer<'_> {
     ) -> Vec<ReferenceLight> {
         let each = paths.div_ceil(PATHS_OF_POINT).max(MIN_POINTS).div_ceil(BATCHES);
         let mut sums: Sums = vec![[Batch::default(); BATCHES]; skies.len()];
-        let here = self.receiver_place(position, normal);
+        let here = self.receiver_vertex(position, normal);
         for batch in 0..BATCHES {
             let mut looks = Vec::with_capacity(each * skies.len());
             for (mut random, [_, _, which, across, along]) in starts(seed, batch, each) {
@@ -115,13 +115,13 @@ impl PathTracer<'_> {
         lights(&sums, each)
     }
 
-    fn receiver_place(&self, position: DVec3, normal: DVec3) -> Place {
-        Place { from: vector(self.mesh.grid().lifted(position, normal)), normal }
+    fn receiver_vertex(&self, position: DVec3, normal: DVec3) -> PathVertex {
+        PathVertex { from: vector(self.mesh.grid().lifted(position, normal)), normal }
     }
 
     /// Adds the directly seen sky. Its rays cost little, and go through one cell each of the square
     /// that cosine-weighted directions come from. Sums are scaled to `each` paths.
-    fn add_open_sky(&self, here: Place, skies: &[&ReferenceSky], each: usize, seed: u64, sums: &mut Sums) {
+    fn add_open_sky(&self, here: PathVertex, skies: &[&ReferenceSky], each: usize, seed: u64, sums: &mut Sums) {
         let frame = Frame::new(here.normal);
         let side = (SKY_RAYS * each).isqrt().max(1);
         let mut random = Random::new(seed);
@@ -132,6 +132,7 @@ impl PathTracer<'_> {
             };
             let directions: Vec<DVec3> = texels_in_blocks(side).map(&mut direction).filter(|d| d.z > 0.0).collect();
             let rays: Vec<Ray> = directions.iter().map(|d| ray(here.from, *d)).collect();
+            // Irradiance is pi times the mean radiance of cosine-weighted directions.
             let straight = Carried::START.times(PI * each as f64 / (side * side) as f64);
             for (number, through) in self.open(&rays) {
                 let Some(place) = SkyPlace::new(directions[number]) else { continue };
@@ -144,7 +145,7 @@ impl PathTracer<'_> {
 
     /// Handles a path at a surface: queries the sun, and goes on unless the path ends there.
     fn meet(&self, mut walker: Walker, hit: Hit, skies: &[&ReferenceSky], looks: &mut Vec<SunLook>) -> Option<Walker> {
-        let (place, orientation) = self.place(walker.from, walker.direction, hit);
+        let (place, orientation) = self.vertex(walker.from, walker.direction, hit);
         let material = self.mesh.triangle_material[hit.triangle as usize];
         let reflector = &self.reflectors[usize::from(material)];
         let cos = place.normal.dot(walker.direction).abs();
@@ -163,6 +164,8 @@ impl PathTracer<'_> {
         walker.carried = walker.carried.times(reflected / likely);
         walker.met += 1;
         walker.from = place.from;
+        // The path goes on as mirrored or as matt light in proportion to the two reflectances, so
+        // its weight is their sum in either case.
         match orientation.filter(|_| kind * reflected < mirrored) {
             Some(orientation) => {
                 walker.direction = orientation.reflect(walker.direction).normalize();
@@ -192,21 +195,23 @@ impl PathTracer<'_> {
         let [which, on, side, a, b] = walker.random.many();
         let leaf = &leaves[(which * leaves.len() as f64) as usize];
         let through = leaf.before.iter().map(|&(material, count)| self.left(material, count)).product::<f64>();
+        // Each leaf is drawn with a probability of one over their number.
         let scattered = self.reflectors[usize::from(leaf.material)].diffuse * through * leaves.len() as f64;
         let likely = if walker.met < SURE { 1.0 } else { scattered.min(LIKELIEST) };
         if scattered <= 0.0 || on >= likely {
             return None;
         }
         let carried = walker.carried.times(scattered / likely).scattered();
+        // A number holds 53 random bits, and all of them become the seed.
         let mut random = Random::new((walker.random.next() * 2.0_f64.powi(53)) as u64);
         let places = [leaf.normal, -leaf.normal]
-            .map(|normal| Place { from: vector(self.mesh.grid().lifted(leaf.point, normal)), normal });
+            .map(|normal| PathVertex { from: vector(self.mesh.grid().lifted(leaf.point, normal)), normal });
         let disc = random.many();
         for place in places {
             // Half of the scattered light leaves on each side.
             looks.extend(SunLook::at_all(place, walker.batch, carried.times(0.5), skies, disc, &mut random));
         }
-        let Place { from, normal } = places[usize::from(side < 0.5)];
+        let PathVertex { from, normal } = places[usize::from(side < 0.5)];
         let direction = cosine(&Frame::new(normal), [a, b]);
         Some(Walker { batch: walker.batch, from, direction, carried, met: walker.met + 1, random })
     }

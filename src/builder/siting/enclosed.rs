@@ -36,6 +36,7 @@ impl Siting<'_> {
     pub fn enclosed(&self, point: DVec3) -> Option<Enclosed> {
         let (scene, tracer) = (self.prepared.scene, &self.prepared.tracer);
         let origin = tracer.grid().relative(point).as_vec3().to_array();
+        // The sequence R2 (Roberts 2018): even however many rays are cast.
         let even = |i: usize| DVec2::new(i as f64 * 0.754_877_666, i as f64 * 0.569_840_291).fract();
         let up = (1..=RAYS).map(|i| cosine_direction_of(even(i)));
         let rays: Vec<Ray> =

@@ -253,6 +253,7 @@ impl SeenLeaves {
             let own = weight(&before, share);
             let mut share = share;
             if step > 0.0 {
+                // `at` is the weight up to the next draw: below 0, the draw lies within this leaf.
                 at -= own;
                 let count = (-at / step).ceil().max(0.0);
                 at += count * step;
@@ -297,7 +298,8 @@ impl Viewpoint {
     }
 }
 
-/// Largest number of leaves of a cell, per ray to its surroundings.
+/// Largest number of leaves of a cell, per ray to its surroundings. In scenes of trees, keeping
+/// all leaves took 2.6 times the bytes and lowered no error.
 const LEAVES_OF_RAY: usize = 2;
 
 /// Crossings of the rays of a cell.

@@ -113,6 +113,7 @@ impl Change {
     /// its edge.
     pub fn touches(&self, key: CellKey, nearby: f64) -> bool {
         let (corner, size) = (key.corner(self.grid.origin), size_of(key.level));
+        // 1 / 4096 is more than the 1 / 8192 by which `surface::sample` widens a voxel.
         let slack = size * (nearby + 1.0 / 4096.0) + self.grid.slack_m(corner, size) + MARGIN.0;
         let low = corner - self.grid.origin - GRID_SHIFT_M - slack;
         let high = low + (size + 2.0 * slack);
@@ -140,6 +141,8 @@ fn cut(triangles: &mut [[DVec3; 3]], cuts: u32, boxes: &mut Vec<[DVec3; 2]>) {
         let axis = (0..3).max_by(|&a, &b| size[a].total_cmp(&size[b])).unwrap_or(0);
         let middle = |triangle: &[DVec3; 3]| triangle[0][axis] + triangle[1][axis] + triangle[2][axis];
         triangles.sort_by(|a, b| middle(a).total_cmp(&middle(b)));
+        // `middle` is a sum of three corners, so it is compared with three times the middle of the
+        // box.
         let half = 1.5 * (low[axis] + high[axis]);
         let at = triangles.partition_point(|triangle| middle(triangle) < half);
         // If all centres lie on one side of the middle, cut the list in half.

@@ -110,8 +110,8 @@ fn find_lit(triangle: u32, side: FaceSide, mesh: &Mesh, tracer: &Tracer, watch: 
     let points = [middle, 0.5 * (middle + a), 0.5 * (middle + b), 0.5 * (middle + c)];
     let origins = points.map(|point| tracer.grid().lifted(point, normal));
     let starts = |paths: usize| origins.iter().flat_map(move |origin| (0..paths).map(move |path| (*origin, path)));
+    // The seed is fixed, since the answer may depend on the scene alone.
     let mut from = Start { normal, seed: 0x6c69_7473, most_met: FIRST_MET, until: Until::Sky };
-    // A short round first: most sides are dark, and few paths show it.
     if follow(starts(FIRST_PATHS).collect(), &from, mesh, tracer, watch) == 0 {
         return false;
     }

@@ -35,7 +35,7 @@ pub struct Reflections<'a> {
 
 /// Surface behind mirrors.
 #[derive(Clone, Debug)]
-pub struct Met {
+pub struct ReflectedHit {
     /// Start of the last segment of the path; `direction` and `hit` are its direction and end.
     pub from: DVec3,
     pub direction: DVec3,
@@ -100,7 +100,7 @@ impl<'a> Reflections<'a> {
     }
 
     /// Returns the cell of this level that holds a surface behind mirrors.
-    pub fn cell(&self, met: &Met, level: i8) -> CellKey {
+    pub fn cell(&self, met: &ReflectedHit, level: i8) -> CellKey {
         cell_of(met.hit, met.direction, level, self.mesh, met.from)
     }
 
@@ -131,8 +131,8 @@ impl<'a> Reflections<'a> {
 
     /// Follows rays that hit a mirror, past [`MAX_MIRRORS`] mirrors at most. Returns the surfaces
     /// that each hits and its end; `rays` counts the rays cast.
-    pub fn follow(&self, starts: &[MirrorRay], rays: &mut u64) -> Vec<(Vec<Met>, End)> {
-        let mut done: Vec<(Vec<Met>, End)> = starts.iter().map(|_| (Vec::new(), End::Dark)).collect();
+    pub fn follow(&self, starts: &[MirrorRay], rays: &mut u64) -> Vec<(Vec<ReflectedHit>, End)> {
+        let mut done: Vec<(Vec<ReflectedHit>, End)> = starts.iter().map(|_| (Vec::new(), End::Dark)).collect();
         let start =
             |at: MirrorRay| Way { at, chain: Chain::default(), steps: Vec::new(), length_m: f64::from(at.hit.t) };
         let mut ways: Vec<(usize, Way)> = starts.iter().map(|&at| start(at)).enumerate().collect();
@@ -166,7 +166,7 @@ impl<'a> Reflections<'a> {
                 way.length_m += f64::from(hit.t);
                 way.at.hit = hit;
                 let MirrorRay { from, direction, .. } = way.at;
-                done[i].0.push(Met { from, direction, hit, length_m: way.length_m, steps: way.steps.clone() });
+                done[i].0.push(ReflectedHit { from, direction, hit, length_m: way.length_m, steps: way.steps.clone() });
                 ways.push((i, way));
             }
         }

@@ -36,12 +36,12 @@ pub struct Directions {
     pub centres: Vec<[f32; 3]>,
     patterns: Vec<Vec<DVec3>>,
     /// Texels in the order of [`texels_in_blocks`].
-    places: Vec<Place>,
+    places: Vec<BlockTexel>,
 }
 
 /// Texel, its block, and its place in the block.
 #[derive(Clone, Copy)]
-struct Place {
+struct BlockTexel {
     texel: usize,
     block: u64,
     inside: usize,
@@ -61,7 +61,7 @@ impl Directions {
     pub fn new(n: usize, weighting: PointWeights) -> Self {
         let direction = |k: u64, t: usize| ray_direction(t, n, mix(0x7465_7865, k));
         let patterns = (0..PATTERNS).map(|k| (0..n * n).map(|t| direction(k, t)).collect()).collect();
-        let place = |(column, row): (usize, usize)| Place {
+        let place = |(column, row): (usize, usize)| BlockTexel {
             texel: row * n + column,
             block: (row / 4 * n.div_ceil(4) + column / 4) as u64,
             inside: (row % 4) * 4 + column % 4,
@@ -83,7 +83,8 @@ impl Directions {
         for place in &self.places {
             let first = (SPREAD[place.inside] + turn) % POINTS * worth.len() / POINTS;
             // A point gives up texels in proportion to the weight it lacks; they go to all
-            // points by weight.
+            // points by weight. Salts are ASCII words ("keep", "give"): each purpose has draws of
+            // its own, independent of the others.
             let draw = |salt: u64| unit(mix(seed ^ salt, place.texel as u64));
             let is_kept = worth[first] >= 1.0 || draw(0x6b65_6570) < worth[first];
             // A number below POINTS, so a byte.
@@ -101,7 +102,7 @@ impl Directions {
         let (seed, mut first) = (key.seed(), Vec::with_capacity(self.places.len() / 4));
         for of_block in self.places.chunk_by(|a, b| a.block == b.block) {
             let order = order(seed, of_block[0].block);
-            let is_first = |place: &&Place| {
+            let is_first = |place: &&BlockTexel| {
                 let (row, column) = (place.inside / 4, place.inside % 4);
                 let quarter = row / 2 * 2 + column / 2;
                 (order >> (2 * quarter)) % 4 == (row % 2 * 2 + column % 2) as u64
@@ -320,6 +321,8 @@ pub fn trace_probe(key: CellKey, texture: &Directions, surfaces: CellSurfaces) -
             let point = usize::from(owner[texel]);
             match base.told(texel) {
                 None => look.ask(texel, point),
+                // The points of a curved cell have normals of their own, so an open direction may
+                // still lie behind the surface of this texel's point.
                 Some(is_open) if is_open && look.is_before(texel, point) => sky.set(texel),
                 Some(_) => {}
             }

@@ -122,8 +122,8 @@ fn cap(ball: &Ball, surface: SurfacePlace) -> f64 {
     if distance <= radius + spread_m {
         return 1.0;
     }
-    // Share of the sphere that the ball fills, and the steepest direction into it from anywhere on
-    // the surface.
+    // Solid angle of the ball over pi, the cosine-weighted hemisphere, and the steepest direction
+    // into it from anywhere on the surface.
     let sine = (radius / (distance - spread_m)).min(1.0);
     let share = 2.0 * (1.0 - (1.0 - sine * sine).sqrt());
     let steepest = normal.map_or(1.0, |normal| {

@@ -132,6 +132,7 @@ impl Viewpoint {
         origin: [f32; 3],
     ) -> Vec<TexelBlock> {
         let part = fans.part(n);
+        // Sides double from level to level, so the logarithm numbers the levels.
         let Some(answers) = known.answers.get((n / fans.base()).ilog2() as usize) else { return blocks.to_vec() };
         let asked = |block: &TexelBlock| TexelBlock { wanted: block.wanted & answers.of(block).0, ones: 0, ..*block };
         // Only parts of the sky towards the change can hold answers that it alters.

@@ -225,6 +225,8 @@ impl Part {
 /// Returns the direction if it is in front of a surface, else one along the surface.
 pub(crate) fn before(d: DVec3, normal: DVec3) -> DVec3 {
     let behind = normal.dot(d);
+    // 1e-4 in front of the surface, because rounding to f32 must not put the direction behind it
+    // again.
     if behind > 0.0 { d } else { d - normal * (behind - 1e-4) }
 }
 
@@ -239,7 +241,8 @@ fn way(cone: &Cone, normal: DVec3) -> Option<[f32; 3]> {
 /// number.
 fn cone(column: u32, row: u32, side: usize) -> Cone {
     // Distances of the square's coordinates from its middle, 0 to 1, and on which side of it they
-    // lie.
+    // lie. A border of blocks runs through the middle of an even side, so each block lies within
+    // one quarter. There the map is monotone, so the bounds are at corners of the block.
     let ends = |at: u32| {
         let [a, b] = [at, at + 1].map(|x| 2.0 * f64::from(x) / side as f64 - 1.0);
         (a.abs().min(b.abs()), a.abs().max(b.abs()), a < 0.0)

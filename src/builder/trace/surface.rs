@@ -127,6 +127,8 @@ pub fn sample(key: CellKey, wanted: usize, surfaces: CellSurfaces) -> Vec<Surfac
                 let Some(weights) = barycentric(corners.map(flat), at) else { continue };
                 let position = corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2];
                 let height = position[axis] * sign;
+                // The random rank depends on the place alone, so every leaf on the line is as
+                // likely, in whatever order the triangles come.
                 let rank = match key.is_leaf() {
                     true => unit(mix(seed ^ height.to_bits(), u64::from(line.number))),
                     false => height,
@@ -139,6 +141,7 @@ pub fn sample(key: CellKey, wanted: usize, surfaces: CellSurfaces) -> Vec<Surfac
         }
         lines.sort_by_key(|line| line.number);
         points.extend(lines.into_iter().filter_map(|line| line.first).map(|(_, p)| p).take(wanted - points.len()));
+        // Each round passes over all candidates, so rounds grow where most lines miss.
         (tried, count) = (last, count * 2);
     }
     if points.is_empty() {

@@ -103,6 +103,8 @@ pub fn looks_around(key: CellKey, probe: &ProbeTrace, texture: &Directions, coun
         })
     };
     let sum = blocked().last().map_or(0.0, |(_, sum)| sum);
+    // A texel has 2 pi / n^2 sr, of the pi of a cosine-weighted hemisphere. Each side of a leaf
+    // counts half, as in `SidesOf::cosine`.
     let above = sum * if key.is_leaf() { 1.0 } else { 2.0 } / (n * n) as f64;
     let below = if normals.is_empty() { 0.0 } else { SidesOf(key).below(probe.normal.z).max(0.0) };
     let (up_count, down_count) = split(count, above, below);

@@ -49,7 +49,8 @@ pub const MAJOR: u16 = 1;
 /// Minor number of the format that this release reads and writes; archives of any other number are
 /// refused.
 pub const MINOR: u16 = 7;
-/// Offsets of slot A and slot B.
+/// Offsets of slot A and slot B. A writer that commits more often can write the slot that does not
+/// count, so that one whole slot always remains.
 pub const SLOT_OFFSETS: [u64; 2] = [0, 4096];
 /// Bytes of a slot, its checksum included.
 pub const SLOT_SIZE: usize = 512;

@@ -127,9 +127,9 @@ impl Archive {
         match self.entry(kind, tile) {
             Some(entry) => self.fetch(entry),
             None if self.manifest.replay_only && format::REFLECTING.contains(&kind) => {
-                let what = "is for replay only: it holds no hits and cells, which changed reflectances, numbers of \
-                            bounces, bands, longwave, comfort, glare, view factors of objects, updates, repairs and \
-                            merges need";
+                let what = "is for replay only, without hits and cells: it cannot answer for changed reflectances, a \
+                            number of bounces, bands, longwave, comfort, maps of what a receiver sees or EnergyPlus, \
+                            and cannot be merged or compared block by block";
                 Err(Error::input(self.path(), None, what, "use the archive that it was taken from, or build it again"))
             }
             None => {

@@ -132,6 +132,7 @@ impl PatchGrid {
     pub(crate) fn patch_in(&self, row: usize, turns: f64) -> Option<usize> {
         let band = self.bands.get(row)?;
         let place = (turns * band.count as f64 + 0.5) as usize;
+        // The first patch is centred on north, so the last half patch before north belongs to it.
         Some(band.first + if place >= band.count { 0 } else { place })
     }
 

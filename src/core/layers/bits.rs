@@ -79,6 +79,7 @@ impl BitSquare {
         // One row with an empty word at either end, so that the outermost words need no special
         // case.
         let mut plain = vec![0_u64; stride + 2];
+        // A row is decided when the row below it is known, one turn later.
         for row in 0..=self.n {
             for value in 0..2 {
                 let wide = &mut wide[(row % 3 * 2 + value) * stride..][..stride];

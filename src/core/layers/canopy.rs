@@ -273,6 +273,8 @@ impl Counts {
             used.pop();
         }
         let planes = planes.as_chunks().0.iter().map(|word| u64::from_le_bytes(*word)).collect();
+        // The bytes come from a file: a count fits into a u8 only with 8 planes or fewer, and a
+        // mask of whole bytes can name rays beyond the last.
         let counts = Counts { bits, used, planes };
         let mut last = 0;
         if bits <= 8 {

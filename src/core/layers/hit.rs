@@ -1,5 +1,5 @@
 //! The hit texture: which cell each texel of a receiver's own hemisphere meets. In: keys per texel.
-//! Out: a tile's palette of keys and 16-bit indices into it, and back.
+//! Out: a tile's palette of keys and 32-bit indices into it, and back.
 
 use crate::layers::cells::numbered;
 use crate::site::cells::CellKey;
@@ -47,6 +47,8 @@ impl HitTile {
         for axis in 0..3 {
             raw.extend(self.palette.iter().flat_map(|k| k.voxel[axis].to_le_bytes()));
         }
+        // Indices are small, so the upper planes are nearly all 0. zstd packs byte planes into two
+        // thirds of the bytes of whole indices.
         for byte in 0..4 {
             raw.extend(self.texels.iter().map(|t| t.to_le_bytes()[byte]));
         }

@@ -191,7 +191,9 @@ fn put_chain(chain: Chain, out: &mut Vec<u8>) {
     out.extend(chain.numbers().flat_map(u16::to_le_bytes));
 }
 
-/// Count that announces a bit for each texel of the sky instead of a list of texels.
+/// Count that announces a bit for each texel of the sky instead of a list of texels. No list is
+/// that long: texels are numbered by u16, so a sky has at most 8192 bytes and a list at most half
+/// as many texels.
 const ALL: u16 = u16::MAX;
 
 /// Appends texels of the sky as a list or as a bit for each texel, whichever is shorter.

@@ -9,7 +9,8 @@
 const SCALE: u32 = 9;
 const WHOLE: u32 = 1 << SCALE;
 
-/// Number of states. Values of different states do not wait for each other.
+/// Number of states. Values of different states do not wait for each other. Each column of a block
+/// of coefficients has one.
 pub const STATES: usize = 8;
 
 /// Smallest value of a state, and its value before the first symbol. A state below it is refilled
@@ -25,7 +26,8 @@ const SYMBOLS: usize = 36;
 /// Limit that all values stay below.
 pub const LIMIT: u32 = 1 << 24;
 
-/// Largest number of bits behind a symbol that are coded at once.
+/// Largest number of bits behind a symbol that are coded at once. A state is refilled by one word
+/// of 16 bits, so a piece must not be longer than that.
 const PIECE: u32 = 12;
 
 /// Returns the symbol of a value, and the number of the value's lowest bits that follow it.
@@ -34,6 +36,7 @@ fn split(value: u32) -> (usize, u32) {
         return (value as usize, 0);
     }
     let bits = value.ilog2();
+    // 16 is the first value with 4 bits behind its highest, so symbols go on at 16.
     ((bits + DIRECT - 4) as usize, bits)
 }
 
@@ -65,6 +68,8 @@ impl Encoder {
         let mut out = Vec::new();
         for of_context in &frequencies {
             let last = of_context.iter().rposition(|frequency| *frequency > 0).unwrap_or(0);
+            // No length is stored: the reader stops where the sum is whole. At most 512, a
+            // frequency takes one or two bytes of 7 bits.
             for &frequency in &of_context[..=last] {
                 if frequency < 128 {
                     out.push(frequency as u8);
@@ -101,12 +106,16 @@ fn scaled(counts: &[u32; SYMBOLS]) -> [u32; SYMBOLS] {
     // The most frequent symbol takes the rounding remainder; among equal ones, the first.
     let largest = (0..SYMBOLS).rev().max_by_key(|&symbol| out[symbol]).unwrap_or(0);
     let others: u32 = out.iter().sum::<u32>() - out[largest];
+    // Never below 1: with k symbols raised to 1, the largest of 36 has at least (512 - k) / (36 -
+    // k), which is more than k.
     out[largest] = WHOLE - others;
     out
 }
 
 /// Puts an interval into a state: it starts at `start` and is `frequency` wide, of 2^`scale`.
 fn push(state: &mut u32, words: &mut Vec<u16>, start: u32, frequency: u32, scale: u32) {
+    // A word goes out first where the new state would not fit into 32 bits. The product is a u64
+    // because 512 << 23 is 2^32.
     if u64::from(*state) >= u64::from(frequency) << (32 - scale) {
         words.push(*state as u16);
         *state >>= 16;
@@ -147,6 +156,8 @@ pub fn open(contexts: usize, bytes: &[u8]) -> Option<(SymbolTables, Reader<'_>)>
             }
             start += frequency;
             symbol += 1;
+            // Frequencies of 0 do not move `start`, so only this ends the loop on a stream of
+            // zeros.
             if symbol > SYMBOLS as u32 {
                 return None;
             }
@@ -202,6 +213,8 @@ impl Reader<'_> {
 
     /// Returns true if the values end where the bytes do.
     pub fn is_done(&self) -> bool {
+        // The encoder starts from these states, so a decoder that ends in others has read damaged
+        // bytes.
         self.states == [LOWEST; STATES] && self.taken == self.words.len()
     }
 }

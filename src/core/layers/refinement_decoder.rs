@@ -173,12 +173,14 @@ impl<'a> RefinementDecoder<'a> {
                 if refined != 0 {
                     let wide = refined | refined << 1 | refined >> 1;
                     near |= u64::from(wide as u32 != 0) << (2 * word) | u64::from(wide >> 32 != 0) << (2 * word + 1);
+                    // Texels at the ends of a word have neighbours in the words beside it.
                     near |= if word > 0 { (refined & 1) << (2 * word - 1) } else { 0 };
                     near |= if 2 * word + 2 < stride { (refined >> 63) << (2 * word + 2) } else { 0 };
                 }
             }
             if near != 0 {
                 near &= u64::MAX >> (64 - stride.clamp(1, 64));
+                // The two rows of the children, and a row of neighbours on either side.
                 flags[(2 * row).saturating_sub(1)..(2 * row + 3).min(side)].iter_mut().for_each(|f| *f |= near);
             }
         }

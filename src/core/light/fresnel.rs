@@ -31,6 +31,8 @@ pub fn panes(count: u8, cos: f64) -> f64 {
 /// Returns the mean of [`panes`] for uniform diffuse light.
 pub fn panes_mean(count: u8) -> f64 {
     const STEPS: u32 = 1024;
+    // Light from a uniform hemisphere is uniform in cos^2 (Lambert's cosine law), so midpoints of
+    // cos^2 need no weights.
     let at = |i: u32| panes(count, ((f64::from(i) + 0.5) / f64::from(STEPS)).sqrt());
     (0..STEPS).map(at).sum::<f64>() / f64::from(STEPS)
 }

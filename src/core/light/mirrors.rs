@@ -66,6 +66,7 @@ impl Reflection {
 
     /// Returns the direction of the sky that light seen in a direction comes from.
     pub fn unmirrored(&self, seen: DVec3) -> DVec3 {
+        // Reflections are orthogonal, so the transpose is the inverse.
         self.map.transpose() * seen
     }
 

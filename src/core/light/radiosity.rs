@@ -113,6 +113,8 @@ impl RadiosityOptions {
         match self.depth {
             MaxBounces::Count(bounces) => (bounces as usize).saturating_sub(2),
             MaxBounces::All => {
+                // After k steps at most the k-th power of the largest reflectance is missing. 0.97
+                // bounds the number of steps by 227; 1e-3 needs one step.
                 let largest = reflectance.iter().copied().fold(0.0, f64::max).clamp(1e-3, 0.97);
                 (TOLERANCE.ln() / largest.ln()).ceil() as usize
             }
@@ -354,6 +356,7 @@ impl<'a> System<'a> {
             self.rules.source(&self.cells, i, light, columns.clone(), source);
         }
         let mut now = source.clone();
+        // A step writes every value of `next`, so old ones need not be cleared.
         next.resize(source.len(), [0.0_f32; BLOCK]);
         for _ in 0..self.rules.steps(state) {
             Arch::new().dispatch(Step { system: self, state, source, now: &now, next });
@@ -426,6 +429,7 @@ pub struct Surround {
 /// hemisphere: a white furnace stays white. For leaves it is the mean of the two hemispheres.
 pub fn surround(key: CellKey, normal: [f32; 3], bits: &[u8], centres: &[[f32; 3]]) -> Surround {
     let sides = SidesOf(key);
+    // A texel has 2 pi / n^2 sr, of the pi of a cosine-weighted hemisphere.
     let share = 2.0 / centres.len() as f64;
     let mut sky = 0.0;
     for (t, d) in centres.iter().enumerate() {

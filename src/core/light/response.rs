@@ -69,6 +69,7 @@ pub fn texel_weights(texels: &[u32], viewer: &Viewer) -> Vec<f64> {
             (local.z, up)
         })
         .collect();
+    // A tilted surface sees the share (1 + cos tilt) / 2 of its hemisphere above the horizon.
     let upper_half = (1.0 + viewer.normal.z) / 2.0;
     let ratio = |share: f64, sum: f64| if sum > 0.0 { share.max(0.0) / sum } else { 0.0 };
     let up_scale = ratio(upper_half - viewer.sky_view, above);

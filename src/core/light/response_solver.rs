@@ -501,6 +501,7 @@ impl WithSimd for Follow<'_> {
     fn with_simd<S: Simd>(self, _: S) {
         let Group { responder, keys, fine, .. } = self.group;
         for row in self.rows {
+            // `rows` refuses cells that see any but coarser ones, and coarser ones come first.
             let (before, here) = self.values.split_at_mut(row.place);
             let (out, reflectance) = (&mut here[0], reflectance_of(self.state, &keys[row.place]));
             let light = CellLight { reflectance, shares: row.shares.as_deref(), by_mirrors: &row.lit };

@@ -134,6 +134,7 @@ fn solved(mut rows: [[f64; TERMS + 1]; TERMS]) -> Option<[f64; TERMS]> {
         let below = (column..TERMS).max_by(|a, b| rows[*a][column].abs().total_cmp(&rows[*b][column].abs()))?;
         rows.swap(column, below);
         let pivot = rows[column];
+        // What is left of a dependent row is rounding, in proportion to the largest entry.
         if pivot[column].abs() < 1e-12 * size {
             return None;
         }

@@ -80,6 +80,7 @@ impl OrientationLimits {
         let [first, last] = self.azimuths_deg;
         let along = (last - first) * tilt_deg.to_radians().sin();
         let parts = (along / step_deg - ROUNDING_DEG).ceil().max(0.0) as usize;
+        // A level surface has no azimuth, so one orientation stands for the whole ring.
         if tilt_deg.to_radians().sin() < 1e-9 {
             return vec![first.rem_euclid(360.0)];
         }

@@ -302,6 +302,8 @@ fn schedule(changeable: &Changeable, members: Vec<usize>, values: Vec<f64>) -> R
     let largest = values.iter().copied().fold(0.0, f64::max);
     for &material in &members {
         let specular = specular_mean(&materials[material]);
+        // The mean of a glass is a sum with rounding errors, and must not refuse a rest that just
+        // fits.
         if largest + specular > 1.0 + 1e-9 {
             // Specular reflectances of glass have many digits, so the message rounds them up to
             // four.

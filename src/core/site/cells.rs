@@ -303,6 +303,8 @@ fn wrapped(number: i64, level: i8) -> i32 {
 /// Returns the level from -10 to 20 whose size is nearest (as a ratio) to `size_m`, by exact
 /// exponent arithmetic, equal on every processor.
 pub fn level_of(size_m: f64) -> i8 {
+    // The exponent rounds down. The factor sqrt(2) moves the border to the geometric middle of two
+    // powers.
     let exponent = ((size_m * std::f64::consts::SQRT_2).to_bits() >> 52) as i64 - 1023;
     exponent.clamp(i64::from(LEVELS.0), i64::from(LEVELS.1)) as i8
 }
@@ -348,6 +350,8 @@ const PLACE_SHIFT_M: DVec3 = DVec3::new(0.138_196_6, 0.209_017_0, 0.072_949_0);
 /// the millimetre, modulo 2^22 m as voxels are, and on the normal, so that neither the receiver's
 /// name nor its order counts.
 pub fn receiver_seed(position: DVec3, normal: DVec3) -> u64 {
+    // Components of normals along an axis are multiples of the unit. The offset keeps them off the
+    // steps of `floor`, where a rounding error would give another seed.
     let q = |v: f64, unit: f64| ((v / unit + 0.381_966).floor() as i64) as u64;
     let window = size_of(WINDOW_LEVEL);
     let position = position - (position / window).round() * window;

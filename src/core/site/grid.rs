@@ -115,7 +115,8 @@ impl Grid {
 /// Returns the nearest integer, the even one of two at equal distance, without a call of the C
 /// library, since scenes have millions of vertices.
 fn nearest(x: f64) -> f64 {
-    // From 2^52 on a double has no room for a fraction.
+    // From 2^52 on a double has no room for a fraction. Below 2^51 the sum lies between 2^52 and
+    // 2^53, also for a negative `x`.
     const SHIFT: f64 = 1.5 * 4_503_599_627_370_496.0;
     if x.abs() < 2_251_799_813_685_248.0 { (x + SHIFT) - SHIFT } else { x.round() }
 }

@@ -236,6 +236,7 @@ impl Material {
         if self.transmittance.is_some() && self.mirrors() {
             return Err("a material with `transmittance` cannot be a mirror: leave out `specular` and `glass`".into());
         }
+        // Rounded decimal shares may add up to the next number after 1.
         if diffuse + transmittance > 1.0 + 1e-12 {
             return Err(format!(
                 "`diffuse` {diffuse} and `transmittance` {transmittance} add up to more than 1: more light than arrives"

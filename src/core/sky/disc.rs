@@ -18,6 +18,7 @@ const DISC_POINTS: usize = 64;
 static POINTS: LazyLock<DiscPoints> = LazyLock::new(|| {
     let offset = |i: usize| {
         let radius = SUN_RADIUS_RAD * ((i as f64 + 0.5) / DISC_POINTS as f64).sqrt();
+        // The golden angle, pi (3 - sqrt(5)), in radians.
         let offset = DVec2::from_angle(i as f64 * 2.399_963_229_728_653) * radius;
         offset.extend(1.0) / (1.0 + offset.length_squared()).sqrt()
     };
@@ -57,6 +58,7 @@ pub fn disc_texels(direction: DVec3, side: usize) -> Vec<(u32, u32, f32)> {
         .fold((first, first), |(low, high), t| ((low.0.min(t.0), low.1.min(t.1)), (high.0.max(t.0), high.1.max(t.1))));
     // Few texels lie under a disc, so points are counted on the box around them.
     let rows = (high.1 - low.1 + 1) as usize;
+    // There are 64 points in all, so a byte holds each count.
     let mut counts = vec![0_u8; (high.0 - low.0 + 1) as usize * rows];
     seen().for_each(|t| counts[(t.0 - low.0) as usize * rows + (t.1 - low.1) as usize] += 1);
     let share = 1.0 / seen().count() as f32;

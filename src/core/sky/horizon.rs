@@ -55,6 +55,8 @@ impl HorizonBand {
             // The map keeps heights on squares, so the band lies near the edge.
             let near = |column: &usize| {
                 let to_edge = |place: usize| place.min(n - 1 - place) as f64 / n as f64;
+                // The band's upper end lies at (1 - sqrt(1 - TOP)) / 2 = 0.029 of the side from the
+                // edge.
                 to_edge(*column).min(to_edge(row)) < 0.04
             };
             (0..n).filter(near).map(texel).filter(|found| found.flat != DVec2::ZERO).collect()

@@ -84,6 +84,7 @@ impl Patches {
         let chord_angles = (0..=CHORDS)
             .map(|k| {
                 let half = k as f64 / CHORDS as f64;
+                // A chord is 2 sin(gamma / 2), and cos gamma is 1 - 2 sin^2(gamma / 2).
                 (2.0 * half.min(1.0).asin(), 1.0 - 2.0 * half * half)
             })
             .collect();
@@ -259,6 +260,7 @@ impl Band {
                 mean += value;
                 moment += value * above;
             }
+            // The two weights solve w1 + w2 = mean and GAUSS (w2 - w1) = moment.
             [0.5 * mean - moment / (2.0 * GAUSS), 0.5 * mean + moment / (2.0 * GAUSS)].map(|w| w / rules as f64)
         };
         (0..rules).flat_map(pair).collect()

@@ -150,6 +150,7 @@ fn whole(patches: &Patches, corner: DVec2, n: usize) -> Option<usize> {
     if creased(corner, n) {
         return None;
     }
+    // A corner on a border between patches counts to the patch on the texel's side of it.
     const INSIDE: [f64; 2] = [1e-9, 1.0 - 1e-9];
     let at = |i: usize| {
         let (turns, z) = azimuth_and_z((corner + DVec2::new(INSIDE[i % 2], INSIDE[i / 2])) / n as f64);
@@ -164,6 +165,7 @@ fn whole(patches: &Patches, corner: DVec2, n: usize) -> Option<usize> {
 /// points for n >= 64, more where texels are large and on the diagonals, where the map has a
 /// crease.
 fn mean_direction(corner: DVec2, n: usize) -> DVec3 {
+    // 1 / (2 sqrt(3)): the two points of the Gauss-Legendre rule on an interval of length 1.
     const GAUSS: f64 = 0.288_675_134_594_812_9;
     let rules = (64 / n).clamp(1, 8) * if creased(corner, n) { 4 } else { 1 };
     let at = |i: usize| ((i / 2) as f64 + 0.5 + [-GAUSS, GAUSS][i % 2]) / rules as f64;

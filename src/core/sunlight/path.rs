@@ -94,6 +94,8 @@ impl SunDay {
     /// Returns the unit vector to the sun's centre, `minutes` after midnight, 0 to 1440.
     pub fn sun(&self, minutes: f64) -> DVec3 {
         let at = (minutes / KNOT_MIN).clamp(0.0, (self.knots.len() - 4) as f64 + 1.0);
+        // The first knot lies one step before midnight, so the four knots around a moment begin
+        // with the number of steps before it.
         let knot = (at as usize).min(self.knots.len() - 4);
         let four = self.knots.iter().skip(knot).zip(cubic(at - knot as f64));
         four.map(|(direction, weight)| weight * *direction).sum::<DVec3>().normalize_or_zero()
@@ -252,6 +254,8 @@ fn zero(mut low: f64, mut of_low: f64, mut high: f64, mut of_high: f64, function
         }
         let now = function(at);
         if (now > 0.0) == (of_high > 0.0) {
+            // Halving the value at the end that stays makes this end move soon, too. On a curve,
+            // plain regula falsi never moves one of the ends.
             (high, of_high, of_low) = (at, now, 0.5 * of_low);
         } else {
             (low, of_low, of_high) = (at, now, 0.5 * of_high);

@@ -187,6 +187,8 @@ impl<'s> SeenSky<'s> {
         let whole_left = left + (self.first.column * block) as isize;
         let whole_top = top + (self.first.row * block) as isize;
         let outer = (0..block).filter(|c| !is_inner(whole_left + *c as isize)).fold(0, |bits, c| bits | 1_u64 << c);
+        // A window holds one bit more on either side, so a shift by 0, 1 and 2 gives the left
+        // neighbour, the texel and the right one at the same bit.
         let rows: Vec<Window> = (-1..=block as isize).map(|r| self.window(left, top + r)).collect();
         for (r, three) in rows.windows(3).enumerate() {
             let all = three.iter().fold(Window::MAX, |all, row| all & row & row >> 1 & row >> 2);

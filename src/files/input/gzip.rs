@@ -24,6 +24,7 @@ fn unpack_up_to(most: u64, bytes: Vec<u8>, file: &Path) -> Result<Vec<u8>> {
         return Ok(bytes);
     }
     let mut plain = Vec::new();
+    // One byte beyond the limit tells a file that is too long from one that just fits.
     let read = MultiGzDecoder::new(bytes.as_slice()).take(most + 1).read_to_end(&mut plain);
     read.map_err(|error| {
         let what = format!("the gzip data cannot be unpacked beyond byte {}: {error}", plain.len());

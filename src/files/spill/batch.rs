@@ -51,6 +51,7 @@ impl Batch {
     /// Sorts the index. Entries that `unique` removes leave their bytes unused.
     pub(super) fn sort(&mut self, unique: bool) {
         let mut index = std::mem::take(&mut self.index);
+        // The start decides between equal keys, so that they keep the order of pushes.
         index.par_sort_unstable_by(|a, b| {
             a.prefix.cmp(&b.prefix).then_with(|| self.parts(a).0.cmp(self.parts(b).0)).then(a.start.cmp(&b.start))
         });

@@ -56,7 +56,8 @@ pub(super) struct Spilled {
 }
 
 impl Spilled {
-    /// Merges neighbouring runs until one merge can read all of them.
+    /// Merges neighbouring runs until one merge can read all of them. Neighbours only, so that
+    /// equal keys keep the order of pushes.
     pub(super) fn reduce(mut self) -> Result<Spilled> {
         let plan = Plan::new(self.budget, self.largest_record);
         while self.runs.len() > plan.fan_in {

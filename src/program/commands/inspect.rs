@@ -129,7 +129,11 @@ pub fn info(args: &Info, _: Provenance) -> Result<Outcome> {
             rounded(ground.mean())
         );
     }
-    line!(out, "  traced      {} probes, {} bounce cells", manifest.counts.probes, manifest.counts.bounce_cells);
+    if manifest.replay_only {
+        line!(out, "  traced      for replay only: no hits, no cells");
+    } else {
+        line!(out, "  traced      {} probes, {} bounce cells", manifest.counts.probes, manifest.counts.bounce_cells);
+    }
     if archive.has(format::OPTICS, TileNumber::FIRST) {
         let names = tables::MaterialsTable::from_block(&archive.block(format::MATERIALS, TileNumber::FIRST)?)?.name;
         let optics = tables::OpticsTable::from_block(&archive.block(format::OPTICS, TileNumber::FIRST)?)?;

@@ -143,6 +143,7 @@ impl Frame {
             return Frame { along: [DVec3::X, DVec3::Y], away: DVec3::Z };
         }
         let level = DVec3::Z.cross(normal);
+        // The length is the sine of the tilt: up to some 20 degrees a surface counts as level.
         let first = if level.length() > 0.35 { level } else { longest_edge(surface) };
         // The component across the normal; any direction across it if that component vanishes.
         let across = (first - normal * first.dot(normal)).normalize_or_zero();

@@ -33,6 +33,7 @@ pub(super) fn second_copies(geometry: &Geometry, welded: &[u32], shells: &[Shell
     }
     let groups = by_box.into_values().filter(|group| group.len() > 1 || group.iter().any(|shell| shell.is_crowded));
     let mut found: Vec<usize> = groups.flat_map(|group| second_copy(geometry, welded, &group)).collect();
+    // The map has no order of its own.
     found.sort_unstable();
     found
 }

@@ -244,6 +244,7 @@ fn steep(ray: usize) -> DVec3 {
 /// Returns an angle around and a share of 1, evenly spread together (the R2 sequence of Roberts,
 /// 2018).
 fn spread(ray: usize) -> (f64, f64) {
+    // Steps of 1 / p and 1 / p^2, where p^3 = p + 1.
     let even = |step: f64| ((ray as f64 + 0.5) * step).fract();
     (std::f64::consts::TAU * even(0.754_877_666_246_693), even(0.569_840_290_998_053))
 }

@@ -123,6 +123,7 @@ fn of_triangle(triangle: &[DVec3; 3], at: DVec2) -> Option<f64> {
     let (ab, ac, p) = ((b - a).truncate(), (c - a).truncate(), at - a.truncate());
     let turn = ab.perp_dot(ac);
     let (u, v) = (p.perp_dot(ac) / turn, ab.perp_dot(p) / turn);
+    // A point on the side of two triangles must be in at least one of them, however it is rounded.
     let inside = u >= -1e-9 && v >= -1e-9 && u + v <= 1.0 + 1e-9;
     inside.then_some(a.z + u * (b.z - a.z) + v * (c.z - a.z))
 }

@@ -68,6 +68,7 @@ pub(crate) fn parse(bytes: &[u8], file: &Path) -> Result<Raster> {
     let missing = |key: &str| refuse(format!("the grid has no {key}"));
     let count = |key: &str| -> Result<u64> {
         let value = header.get(key).ok_or_else(|| missing(key))?;
+        // Below 2^53 an f64 holds every whole number, so the cast keeps the value.
         if value < 0.0 || value.fract() != 0.0 || value > 1e15 {
             return Err(refuse(format!("{key} is {value}, not a count of samples")));
         }

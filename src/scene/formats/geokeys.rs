@@ -109,6 +109,7 @@ impl GeoKeys {
         let geographic = self.get(GEOGRAPHIC_SYSTEM);
         let half_axis_m = self.number(HALF_AXIS).or_else(|| half_axis_of(geographic?.into()))?;
         let datum = match geographic {
+            // EPSG numbers of WGS 84, NAD83 and ETRS89 in degrees.
             Some(4326) => "WGS_1984",
             Some(4269) => "NAD_1983",
             Some(4258) => "ETRS",

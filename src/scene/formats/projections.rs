@@ -223,6 +223,8 @@ impl Projection {
             _ => number("to_meter").unwrap_or(1.0),
         };
         if get("proj") == Some("utm") {
+            // UTM: zones of 6 degrees from 180 degrees west on, each about its middle. Factor and
+            // false origin are the same in all of them.
             let zone = number("zone")?;
             return Some(Projection {
                 kind: "tmerc",

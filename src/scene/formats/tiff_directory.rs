@@ -3,12 +3,15 @@
 //! Out: patches for the decoder, or an error on a tag whose values lie beyond the file; the place
 //! of the image's mask.
 
-/// Bytes of a value by its type number, from type 1 on.
+/// Bytes of a value by its type number, from type 1 on. Types 1 to 12 stand in TIFF 6.0, section 2,
+/// type 13 is a directory, 16 to 18 are those of BigTIFF; 14 and 15 are not assigned.
 const SIZES: [u64; 18] = [1, 1, 2, 4, 8, 1, 1, 2, 4, 8, 4, 8, 4, 1, 1, 8, 8, 8];
 
 /// Most directories that are searched for a mask; files with overviews have some twenty.
 const MAX_DIRECTORIES: usize = 64;
 
+/// Tags of TIFF 6.0, section 8: NewSubfileType, ImageWidth, ImageLength, Compression and
+/// PhotometricInterpretation.
 const SUBFILE_TYPE: u64 = 254;
 const WIDTH: u64 = 256;
 const HEIGHT: u64 = 257;
@@ -17,6 +20,7 @@ const INTERPRETATION: u64 = 262;
 /// Tags of the positions and lengths of strips, and of tiles.
 const CHUNKS: [[u64; 2]; 2] = [[273, 279], [324, 325]];
 
+/// Code of LZW in the tag of the compression (TIFF 6.0, section 13).
 const LZW: u64 = 5;
 
 /// Bytes added to each LZW strip or tile, and zeros added behind the file. The LZW decoder of the
@@ -98,6 +102,8 @@ impl<'b> Bytes<'b> {
         let (mut entries, count) = (Vec::new(), self.number(start, head)?);
         for i in 0..count {
             let at = start.checked_add(head)?.checked_add(i.checked_mul(tag)?)?;
+            // The first number fails beyond the end of the file, so the sums behind it do not
+            // overflow.
             let (name, kind, count) = (self.number(at, 2)?, self.number(at + 2, 2)?, self.number(at + 4, wide)?);
             let size = SIZES.get((kind as usize).wrapping_sub(1)).copied().unwrap_or(8);
             let length = count.saturating_mul(size);

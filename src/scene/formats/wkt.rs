@@ -103,6 +103,8 @@ fn of_keywords(text: &str) -> TextSystem {
     let zone = value("zone").and_then(|text| text.parse::<i32>().ok()).filter(|zone| (1..=60).contains(&zone.abs()));
     let datum = value("datum").unwrap_or_default();
     let epsg = match (name.as_str(), zone, datum.as_str()) {
+        // EPSG:32601 to 32660 north and 32701 to 32760 south of the equator; below, NAD83 / UTM and
+        // ETRS89 / UTM.
         ("UTM", Some(zone), "WGS84" | "WGS_1984") => Some(if zone < 0 { 32_700 - zone } else { 32_600 + zone }),
         ("UTM", Some(zone @ 1..=23), "NAD83") => Some(26_900 + zone),
         ("UTM", Some(zone @ 28..=38), "ETRS89" | "ETRS_1989") => Some(25_800 + zone),

@@ -73,6 +73,8 @@ impl Sums {
         let rise = self.rise / count - middle * height;
         let turn = xx * yy - xy * xy;
         let slope = DVec2::new(rise.x * yy - rise.y * xy, rise.y * xx - rise.x * xy) / turn;
+        // `turn` is the product of the variances along the two main axes. It is small beside their
+        // sum squared where the places lie on a line, which tells nothing of the slope across.
         let is_one = self.count >= 4.0 && turn > 1e-3 * (xx + yy) * (xx + yy) && slope.length() <= STEEPEST;
         Plane { middle, height, slope: if is_one { slope } else { DVec2::ZERO } }
     }

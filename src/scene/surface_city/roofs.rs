@@ -273,7 +273,8 @@ impl Growing<'_> {
             if found.is_empty() {
                 return;
             }
-            // Planes stay those of the cells that fit.
+            // Planes stay those of the cells that fit. A round is applied as a whole, so that the
+            // order of cells does not matter.
             found.into_iter().for_each(|(spot, number)| self.piece.set(spot, number));
         }
     }

@@ -107,6 +107,8 @@ fn of_digits(text: &str) -> Option<StampText> {
     };
     let counted = || {
         let per_second = match text.len() {
+            // Seconds from 1973 to 2286 have nine or ten digits; milli-, micro- and nanoseconds
+            // have three, six and nine more.
             9 | 10 => 1,
             12 | 13 => 1_000,
             15 | 16 => 1_000_000,

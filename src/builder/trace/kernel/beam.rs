@@ -79,11 +79,16 @@ impl<F: Copy> Beam<F> {
     pub fn meets<L: Lanes<F = F>>(&self, l: L, node: &Node, reach: f32) -> (u16, F32x16) {
         // Absent children are entered at infinity, and so refused.
         let reach = reach.min(f32::MAX / 2.0);
+        // Half of f32::MAX, because FAR_PAD would lift f32::MAX itself to infinity, and absent
+        // children would pass.
         let mut bounds = l.select(ENTERING, l.splat(0.0), l.splat(-reach));
         for i in 0..3 {
             let side = self.side[i] & 1;
             let planes = l.halves(&node.planes[i][side], &node.planes[i][side ^ 1]);
             let from = l.sub(planes, self.origin[i]);
+            // Distances of leaving are negated, so one maximum over the axes gives both the last
+            // entry and the first exit. The smaller product is the bound, whichever sign `from`
+            // has.
             bounds = l.max(bounds, l.min(l.mul(from, self.inverse[i][0]), l.mul(from, self.inverse[i][1])));
         }
         let far = l.mul(l.sub(l.splat(0.0), l.swap(bounds)), l.splat(FAR_PAD));

@@ -76,6 +76,8 @@ impl Sixteen {
         let zero = F32x16([0.0; LANES]);
         let (mut corners, mut longest, mut of) = ([[zero; 3]; 3], zero, [0; LANES]);
         for (lane, of) in of.iter_mut().enumerate() {
+            // Lanes without a triangle repeat the last one, so that they hold finite numbers;
+            // `open` leaves them out.
             *of = places[lane.min(last)];
             let triangle = &tree.triangles[*of as usize];
             for (to, from) in corners.iter_mut().zip(&triangle.corners) {

@@ -159,6 +159,7 @@ impl Lanes for Baseline {
     }
     #[inline(always)]
     fn min(self, a: Self::F, b: Self::F) -> Self::F {
+        // As `minps`: of +0 and -0 the second counts at every level. `f32::min` leaves that open.
         map2(a, b, |a, b| if a < b { a } else { b })
     }
     #[inline(always)]
@@ -280,6 +281,7 @@ mod x86 {
         }
         #[inline(always)]
         fn swap(self, a: __m512) -> __m512 {
+            // Quarters of 128 bits in the order 2, 3, 0, 1.
             self.avx512f._mm512_shuffle_f32x4::<0b01_00_11_10>(a, a)
         }
         #[inline(always)]
@@ -380,13 +382,13 @@ mod x86 {
 
     #[inline(always)]
     fn bits(v3: V3, low: __m256, high: __m256) -> u16 {
-        // Each half gives eight bits.
         (v3.avx._mm256_movemask_ps(low) | v3.avx._mm256_movemask_ps(high) << 8) as u16
     }
 
     /// Turns the lowest eight bits of a mask into the sign bits of eight lanes.
     #[inline(always)]
     fn lanes_of(v3: V3, mask: u16) -> __m256 {
+        // Bit i moves to bit 31, the only one that a blend looks at.
         let places: __m256i = cast([31_i32, 30, 29, 28, 27, 26, 25, 24]);
         cast(v3.avx2._mm256_sllv_epi32(v3.avx._mm256_set1_epi32(i32::from(mask)), places))
     }

@@ -63,6 +63,8 @@ fn trace<const ANY: bool>(
             order[*at] = place as u32;
             *at += 1;
         }
+        // Each entry of `next` has now moved on to the end of its octant, which is the start of the
+        // one after it.
         let starts = [0].into_iter().chain(next);
         let alike = starts.zip(next).flat_map(|(start, end)| order[start..end].chunks(LANES));
         packets.clear();

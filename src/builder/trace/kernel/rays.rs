@@ -42,6 +42,8 @@ impl LitSides {
     /// the scene alone, because several threads may call it at the same time.
     pub fn known_or(&self, triangle: u32, side: FaceSide, find: impl FnOnce() -> bool) -> bool {
         let (slot, first) = (&self.known[triangle as usize], if side == FaceSide::Front { 0 } else { 2 });
+        // Relaxed is enough: the byte is the whole message, and threads that find the answer twice
+        // set the same bits.
         let state = slot.load(Ordering::Relaxed) >> first;
         if state & 1 == 1 {
             return state & 2 == 2;
@@ -178,6 +180,8 @@ impl Tracer {
         let mut limit = f32::INFINITY;
         let mut stack = vec![(Child::default(), 0.0_f32)];
         while let Some((next, entry)) = stack.pop() {
+            // A box at the limit itself is visited, because a hit at an equal distance counts if
+            // its triangle has the lower index.
             if entry > limit {
                 continue;
             }
@@ -198,7 +202,7 @@ impl Tracer {
 }
 
 /// Returns the distance at which a ray enters the box of a child, if it does so before `limit`. The
-/// far distance is widened by two roundings (Ize 2013, "Robust BVH ray traversal", JCGT 2(2)).
+/// far distance is widened by [`FAR_PAD`].
 fn slab(node: &Node, child: usize, origin: [f32; 3], inverse: [f32; 3], limit: f32) -> Option<f32> {
     let mut near = 0.0_f32;
     let mut far = limit;

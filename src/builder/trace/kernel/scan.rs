@@ -15,13 +15,13 @@ use crate::trace::kernel::lanes::{Kernel, LANES, Lanes, Level, dispatch};
 use crate::trace::kernel::planes::bits;
 use crate::trace::kernel::tree::{Child, Tree, WIDTH};
 
-/// Knowledge about a part of the sky.
+/// State of the search for what hides a part of the sky.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Known {
+enum PartOcclusion {
     /// Nothing is known yet.
     Nothing,
     /// The rays of the first query all hit something, and the walk ended there.
-    Met,
+    FirstRaysHit,
     /// One triangle covers the part.
     Covered,
     /// All triangles that the rays of the part can hit.
@@ -34,7 +34,8 @@ enum Known {
 const MAX: u32 = 512;
 
 /// Largest number of nodes that a walk enters. A broad or flat beam over a large map would visit
-/// nodes that its rays, which end at near surfaces, never reach.
+/// nodes that its rays, which end at near surfaces, never reach. The limit saves 45 % of the time
+/// of receivers in a city of 11 km. Limits of 16 and 32 take as long as 64.
 const ENTERED: usize = 64;
 
 /// Number of queries to prefetch ahead.
@@ -45,7 +46,7 @@ const NOTED: usize = 1024;
 
 /// Memory of a scan, reused for one point after the other.
 pub struct ScanSpace {
-    known: Vec<Known>,
+    known: Vec<PartOcclusion>,
     candidates: Candidates,
     stack: Vec<Child>,
     /// Places of triangles that are still to be tested.
@@ -92,7 +93,7 @@ impl<'a> Scan<'a> {
     /// Starts a scan from a point, over `parts` parts of the sky.
     pub fn new(tree: &'a Tree, level: Level, origin: [f32; 3], parts: usize, space: &'a mut ScanSpace) -> Self {
         space.known.clear();
-        space.known.resize(parts, Known::Nothing);
+        space.known.resize(parts, PartOcclusion::Nothing);
         space.candidates.clear();
         Scan { tree, level, origin, space }
     }
@@ -133,22 +134,22 @@ impl ScanSpace {
         let part = asked.part as usize;
         let rays = || Rays::new(l, origin, asked.fan, asked.wanted);
         match self.known[part] {
-            Known::Nothing => {
+            PartOcclusion::Nothing => {
                 let rays = rays();
                 let (known, met) = self.walk(l, tree, origin, asked.whole, Some(&rays));
                 self.known[part] = known;
-                if known != Known::Unlisted {
+                if known != PartOcclusion::Unlisted {
                     return Some(met);
                 }
             }
-            Known::Met => self.known[part] = self.walk(l, tree, origin, asked.whole, None).0,
-            Known::Covered | Known::Listed(_) | Known::Unlisted => {}
+            PartOcclusion::FirstRaysHit => self.known[part] = self.walk(l, tree, origin, asked.whole, None).0,
+            PartOcclusion::Covered | PartOcclusion::Listed(_) | PartOcclusion::Unlisted => {}
         }
         match self.known[part] {
-            Known::Covered => Some(asked.wanted),
-            Known::Listed(list) if list.is_empty() => Some(0),
-            Known::Listed(list) => Some(self.candidates.met(l, tree, list, &rays(), &asked.cone)),
-            Known::Nothing | Known::Met | Known::Unlisted => None,
+            PartOcclusion::Covered => Some(asked.wanted),
+            PartOcclusion::Listed(list) if list.is_empty() => Some(0),
+            PartOcclusion::Listed(list) => Some(self.candidates.met(l, tree, list, &rays(), &asked.cone)),
+            PartOcclusion::Nothing | PartOcclusion::FirstRaysHit | PartOcclusion::Unlisted => None,
         }
     }
 
@@ -162,7 +163,7 @@ impl ScanSpace {
         origin: [f32; 3],
         whole: &Cone,
         first: Option<&Rays<L::F>>,
-    ) -> (Known, u16) {
+    ) -> (PartOcclusion, u16) {
         let beam = Beam::of_cone(l, origin, whole);
         let begin = self.candidates.next();
         let (mut met, mut count, mut entered) = (0, 0, 0);
@@ -186,12 +187,12 @@ impl ScanSpace {
                 let (covered, kept) = sixteen.keep(l, whole);
                 count += kept;
                 let done = if covered {
-                    Some((Known::Covered, first.map_or(0, |rays| rays.wanted)))
+                    Some((PartOcclusion::Covered, first.map_or(0, |rays| rays.wanted)))
                 } else if count > MAX || entered > ENTERED {
-                    Some((Known::Unlisted, 0))
+                    Some((PartOcclusion::Unlisted, 0))
                 } else if let Some(rays) = first {
                     met = sixteen.met(l, tree, rays, met);
-                    (met == rays.wanted).then_some((Known::Met, met))
+                    (met == rays.wanted).then_some((PartOcclusion::FirstRaysHit, met))
                 } else {
                     None
                 };
@@ -204,7 +205,7 @@ impl ScanSpace {
                 }
             }
             if next.is_none() {
-                return (Known::Listed(self.candidates.finish(begin)), met);
+                return (PartOcclusion::Listed(self.candidates.finish(begin)), met);
             }
         }
     }
@@ -214,6 +215,8 @@ impl ScanSpace {
     fn leaf(&mut self, tree: &Tree, leaf: Child) {
         for place in leaf.first..leaf.first + leaf.count {
             let id = tree.triangles[place as usize].id;
+            // The number of the walk is part of the mark, so the cache is never cleared. Walks
+            // count from 1, so the zeros of a new cache match nothing.
             let mark = self.walks << 32 | u64::from(id);
             let noted = &mut self.noted[id as usize % NOTED];
             if *noted != mark {

@@ -30,10 +30,12 @@ use heliotile_scene::mesh::Mesh;
 /// into boxes.
 const BOX_PAD: f32 = 1e-6;
 
-/// Largest number of triangles of a block.
+/// Largest number of triangles of a block. The time of a tree grows faster than its triangles: 3
+/// million of a city took 33 s as one tree and 11 s in blocks.
 const BLOCK: usize = 1 << 16;
 
-/// Number of children of a node.
+/// Number of children of a node. Their entering and leaving sides together fill the lanes of a
+/// packet.
 pub const WIDTH: usize = 8;
 
 /// Child of a node: triangles `first .. first + count` of a leaf, or node `first` if `count` is 0.

@@ -60,6 +60,8 @@ pub struct Fixed {
 
 impl EdgeTriangle {
     pub fn new(mut corners: Corners, id: u32) -> Self {
+        // Sorting may reverse the winding. That is no loss, because a ray hits a triangle from
+        // either side.
         corners.sort_by(|a, b| a.partial_cmp(b).unwrap_or(Ordering::Equal));
         let [a, b, c] = corners;
         let longest = max_abs(sub(b, a)).max(max_abs(sub(c, b))).max(max_abs(sub(a, c)));

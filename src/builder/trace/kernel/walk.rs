@@ -87,6 +87,7 @@ impl<'a, F: Copy> Walk<'a, F> {
             rays: PacketRays { origin, direction, inverse },
             inverse: [l.store(inverse[0]), l.store(inverse[1]), l.store(inverse[2])],
             beam: Beam::whole(l, &origin, &inverse),
+            // Rays of a packet agree on their signs, so lane 0 tells them for all.
             backwards: [x.0[0] < 0.0, y.0[0] < 0.0, z.0[0] < 0.0],
             stack,
             met: 0,
@@ -102,6 +103,8 @@ impl<'a, F: Copy> Walk<'a, F> {
     pub fn step<L: Lanes<F = F>, const ANY: bool, const SHARED: bool>(&mut self, l: L, tree: &Tree) -> bool {
         let (child, lanes) = loop {
             let Some(Waiting { child, entry }) = self.stack.pop() else { return false };
+            // Not less than the limit: at an equal distance the triangle with the lower index
+            // counts.
             let wanted = if ANY { !self.met } else { l.less_equal(l.splat(entry.near()), self.limit) };
             if entry.lanes() & wanted != 0 {
                 break (child, entry.lanes() & wanted);
@@ -142,6 +145,8 @@ impl<'a, F: Copy> Walk<'a, F> {
     #[inline(always)]
     fn enter<L: Lanes<F = F>>(&mut self, l: L, tree: &Tree, child: Child, lanes: u16) {
         let node = &tree.nodes[child.first as usize];
+        // All lanes but the lowest. `step` enters a node with at least one lane, so the difference
+        // does not underflow.
         let others = lanes & (lanes - 1);
         let (children, nears) = if others & others.wrapping_sub(1) == 0 {
             let (a, b) = (lanes.trailing_zeros(), 15 - lanes.leading_zeros());

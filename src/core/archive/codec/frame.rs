@@ -21,6 +21,7 @@ impl ZstdFrame {
     pub fn at_start_of(bytes: &[u8]) -> Option<Self> {
         let rest = bytes.strip_prefix(&MAGIC)?;
         let (&descriptor, mut rest) = rest.split_first()?;
+        // The reserved bit: a decoder must refuse what it may come to mean (section 3.1.1.1.1.4).
         if descriptor & 8 != 0 {
             return None;
         }
@@ -32,9 +33,10 @@ impl ZstdFrame {
             }
             rest = after;
         }
-        // Skip the id of the dictionary.
+        // The dictionary's id takes 0, 1, 2 or 4 bytes (3.1.1.1.3). The size does not depend on it.
         rest = rest.get([0, 1, 2, 4].into_iter().nth(usize::from(descriptor & 3))?..)?;
         let size = match descriptor >> 6 {
+            // Flag 0 has no size, except in a single segment, which always states one (3.1.1.1.4).
             0 => usize::from(single_segment),
             flag => 1_usize << flag,
         };
@@ -61,6 +63,7 @@ fn after_blocks(mut bytes: &[u8]) -> Option<&[u8]> {
         let length = match header >> 1 & 3 {
             // A byte that is repeated is stored once.
             1 => 1,
+            // The reserved type (3.1.1.2.2).
             3 => return None,
             _ => header >> 3,
         };

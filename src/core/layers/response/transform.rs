@@ -130,6 +130,9 @@ impl Transform {
             for t in 0..count {
                 let [x, y, z] = [0, 1, 2].map(|axis| f64::from(values[axis * count + t]));
                 let [sx, sy, sz, u, v] = self.texel(t);
+                // The parts across are those along Frisvad's tangents (2012, "Building an
+                // orthonormal basis from a 3D unit vector without normalization"). Texels have z >=
+                // 0, so 1 + z is never near 0.
                 let along = x * sx + y * sy + z * sz;
                 of_class[t] = along;
                 of_class[count + t] = x - u * (along + z);

@@ -67,6 +67,7 @@ impl MirrorView {
     #[inline]
     pub fn texel(&self, column: usize, row: usize) -> Texel<'_> {
         let (column, row) = (column.wrapping_sub(self.column), row.wrapping_sub(self.row));
+        // Places before the window wrap to large numbers, so one comparison serves both ends.
         if column < self.sky.side() && row < self.sky.side() { self.sky.texel(column, row) } else { Texel::Closed }
     }
 

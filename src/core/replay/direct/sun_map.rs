@@ -23,7 +23,8 @@ use crate::sky::disc::disc_texels;
 /// Number of places of a base texel's bits that are read at a time: one byte.
 const STRIP: usize = 8;
 
-/// Number of suns whose discs are found at a time.
+/// Number of suns whose discs are found at a time. All threads find them and one adds them up, so
+/// this bounds the memory that they take.
 const DISCS: usize = 8192;
 
 /// Light on the places of one byte of a base texel's bits.
@@ -181,7 +182,8 @@ fn byte_of(texel: Texel, byte: usize) -> u8 {
 }
 
 /// Returns the irradiance of a surface from the visible places of a texel, of which some may lie
-/// behind the surface. Eight sums are kept side by side and added at the end.
+/// behind the surface. Eight sums are kept side by side and added at the end. A compiler keeps the
+/// order of additions of floats, so only separate sums fill a vector register.
 #[inline(always)]
 fn seen_before(strips: &[Strip], normal: Vec3, texel: Texel) -> f32 {
     let mut sums = [0.0_f32; STRIP];

@@ -142,6 +142,7 @@ impl SunSamples {
             let numbered = of_bin.iter().enumerate().flat_map(|(i, sun)| sun.parts.clone().map(move |part| (i, part)));
             let place = |part: usize| self.parts[part].row as usize * side + self.parts[part].column as usize;
             let mut found: Vec<(usize, usize, usize)> = numbered.map(|(i, part)| (place(part), i, part)).collect();
+            // No two entries name the same part, so an unstable sort has one result.
             found.sort_unstable();
             for passing in found.chunk_by(|a, b| a.0 == b.0) {
                 let start = self.passing.len();

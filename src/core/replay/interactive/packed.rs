@@ -197,6 +197,7 @@ fn in_two(steps: [i32; 3]) -> (u32, u8) {
     let (mut word, mut byte, mut word_at, mut byte_at) = (0, 0, 0, 0);
     for (part, steps) in steps.into_iter().enumerate() {
         let [of_word, of_byte] = [WORD_BITS[part], BYTE_BITS[part]];
+        // Rounded to the nearest unit, so that the remainder fits into its signed bits.
         let nearest = (steps + (1 << (of_byte - 1))) >> of_byte;
         let rest = steps - (nearest << of_byte);
         word |= (nearest as u32 & ((1 << of_word) - 1)) << word_at;
@@ -221,6 +222,7 @@ fn put_in_two(mut texels: impl Iterator<Item = (u32, u8)>, words: &mut [u32], re
 #[inline(always)]
 fn parts(word: u32) -> [f32; 3] {
     let word = word as i32;
+    // Right shifts of signed numbers extend the sign of the 14, 9 and 9 bits.
     [(word << 18 >> 18) as f32, (word << 9 >> 23) as f32, (word >> 23) as f32]
 }
 

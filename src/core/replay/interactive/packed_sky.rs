@@ -65,7 +65,8 @@ fn side(bits: &[u64], block: usize) -> Option<bool> {
     if !block.is_power_of_two() {
         return None;
     }
-    // The last bit of each row has no neighbour: rows lie within words.
+    // The last bit of each row has no neighbour: rows lie within words. The quotient has the first
+    // bit of each row.
     let ends = (u64::MAX / low(block as u32)) << (block - 1);
     let is_left = |word: &u64| word >> 1 & !word & !ends == 0;
     let is_right = |word: &u64| word & !(word >> 1) & !ends == 0;
@@ -85,6 +86,7 @@ fn pack_steps(bits: &[u64], block: usize, words: &mut [u32]) {
         }
     };
     for row in 0..block {
+        // A length has at most 7 bits and `count` is below 32, so `held` cannot overflow.
         held |= u64::from(row_of(bits, block, row).count_ones()) << count;
         count += length_bits(block);
         if count >= 32 {

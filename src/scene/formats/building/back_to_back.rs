@@ -25,6 +25,7 @@ pub(in crate::formats) fn back_to_back<'o>(outlines: impl Iterator<Item = (usize
     for group in at.into_values() {
         for (n, (i, a)) in group.iter().enumerate() {
             for (j, b) in group.iter().skip(n + 1) {
+                // The area vectors of two equal faces that look in opposite directions cancel.
                 if (*a + *b).length() < 0.02 * a.length() {
                     found.extend([*i, *j]);
                 }

@@ -48,9 +48,11 @@ fn of_german_surveys(upper: &str) -> Option<u32> {
     let plane = name.split('*').next().unwrap_or_default();
     let digits = |text: &str| text.chars().take_while(char::is_ascii_digit).collect::<String>().parse::<u32>().ok();
     if let Some(zone) = plane.strip_prefix("ETRS89_UTM").and_then(digits) {
+        // EPSG:25828 to 25838, ETRS89 / UTM.
         return (28..=38).contains(&zone).then_some(25_800 + zone);
     }
     if let Some(zone) = plane.strip_prefix("DE_DHDN_3GK").and_then(digits) {
+        // EPSG:31466 to 31469, DHDN / 3-degree Gauss-Krueger.
         return (2..=5).contains(&zone).then_some(31_464 + zone);
     }
     plane.starts_with("ETRS89_LAT").then_some(4258)

@@ -79,7 +79,6 @@ pub fn idf_fields(bytes: &[u8], file: &Path, mut take: impl FnMut(IdfField) -> R
     let end_of_line = if bytes.contains(&b'\n') { b'\n' } else { b'\r' };
     for (line, text) in (1..).zip(bytes.split(|&byte| byte == end_of_line)) {
         let mut rest = text.split(|&byte| byte == b'!').next().unwrap_or_default().trim_ascii();
-        // Position of a part of the line in the file.
         let at = |part: &[u8]| line_start + (part.as_ptr() as usize - text.as_ptr() as usize);
         if rest.starts_with(b"##") {
             return Err(Error::Unsupported {

@@ -283,6 +283,7 @@ enum Kind {
 impl Kind {
     fn by_code(component_type: u32) -> Option<Kind> {
         Some(match component_type {
+            // The numbers are those of OpenGL's types (glTF 2.0, accessor.componentType).
             5120 => Kind::I8,
             5121 => Kind::U8,
             5122 => Kind::I16,

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use heliotile_builder::accuracy::reference_sample::percent;
-use heliotile_builder::reference::comparison::{Deviation, Known, Pair, deviation, mean_w_m2, off};
+use heliotile_builder::reference::comparison::{ConfidenceInterval, Deviation, Pair, deviation, mean_w_m2, off};
 use heliotile_builder::reference::groups::by_sky_view;
 use heliotile_builder::reference::hours::{HoursFound, mix_of};
 use heliotile_builder::reference::{Audited, PARTS};
@@ -69,13 +69,13 @@ pub struct ComponentErrors {
     /// Name of the component's column.
     pub component: &'static str,
     /// Mean difference, W/m2, above 0 if the archive's results are too large.
-    pub bias_w_m2: Known,
+    pub bias_w_m2: ConfidenceInterval,
     /// Root of the mean squared difference, W/m2.
-    pub rmse_w_m2: Known,
+    pub rmse_w_m2: ConfidenceInterval,
     /// Bias in percent of the mean total.
-    pub bias_percent: Known,
+    pub bias_percent: ConfidenceInterval,
     /// RMSE in percent of the mean total.
-    pub rmse_percent: Known,
+    pub rmse_percent: ConfidenceInterval,
     /// Hour of a receiver with the largest difference beyond the reference path tracer's noise.
     pub worst: Option<WorstPair>,
 }
@@ -103,7 +103,7 @@ pub struct SkyViewErrors {
     /// Mean of the reference path tracer's totals, W/m2.
     pub mean_w_m2: f64,
     /// RMSE of the totals, W/m2.
-    pub rmse_w_m2: Known,
+    pub rmse_w_m2: ConfidenceInterval,
 }
 
 /// Errors of the totals in hours of one kind.
@@ -116,7 +116,7 @@ pub struct HourKindErrors {
     /// Mean of the reference path tracer's totals, W/m2.
     pub mean_w_m2: f64,
     /// RMSE of the totals, W/m2.
-    pub rmse_w_m2: Known,
+    pub rmse_w_m2: ConfidenceInterval,
     /// Stated RMSE of these hours, percent of their mean.
     pub stated_percent: Option<f64>,
 }
@@ -148,7 +148,7 @@ impl AuditReport {
         let (stated, mean_w_m2) = (archive.manifest().accuracy.as_ref(), mean_w_m2(&audited.pairs));
         let component = |part: Component| {
             let Deviation { bias_w_m2, rmse_w_m2, worst } = deviation(&audited.pairs, &audited.suns, part as usize);
-            let of_mean = |known: Known| in_percent(known, mean_w_m2);
+            let of_mean = |known: ConfidenceInterval| in_percent(known, mean_w_m2);
             let worst = worst.map(|pair| WorstPair {
                 receiver: audited.receivers[pair.receiver].0.id.clone(),
                 condition: conditions[pair.condition].label.clone(),
@@ -215,7 +215,7 @@ impl AuditReport {
 }
 
 /// Returns a number in percent of a mean.
-pub(super) fn in_percent(known: Known, mean_w_m2: f64) -> Known {
+pub(super) fn in_percent(known: ConfidenceInterval, mean_w_m2: f64) -> ConfidenceInterval {
     known.times(if mean_w_m2 > 0.0 { 100.0 / mean_w_m2 } else { 0.0 })
 }
 

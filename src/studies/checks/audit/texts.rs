@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use super::report::{AuditReport, WorstPair, in_percent};
 use heliotile_builder::accuracy::reference_sample::percent;
 use heliotile_builder::reference::PARTS;
-use heliotile_builder::reference::comparison::{Known, Pair, off};
+use heliotile_builder::reference::comparison::{ConfidenceInterval, Pair, off};
 use heliotile_core::error::Result;
 use heliotile_core::replay::components::Component;
 use heliotile_results::outputs::markup::escaped;
@@ -142,8 +142,8 @@ impl AuditReport {
     }
 
     fn sky_views_picture(&self) -> String {
-        let points = |end: fn(&Known) -> f64| -> Vec<(f64, f64)> {
-            let of_mean = |rmse: Known| end(&in_percent(rmse, self.mean_w_m2));
+        let points = |end: fn(&ConfidenceInterval) -> f64| -> Vec<(f64, f64)> {
+            let of_mean = |rmse: ConfidenceInterval| end(&in_percent(rmse, self.mean_w_m2));
             self.sky_views.iter().map(|group| (100.0 * group.sky_view[1], of_mean(group.rmse_w_m2))).collect()
         };
         let plot = Plot {

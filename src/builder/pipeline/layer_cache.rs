@@ -32,7 +32,7 @@ pub(super) struct KnownReceiver {
 
 /// The archive to look layers up in, if there is one.
 #[derive(Default)]
-pub(super) struct Known<'a> {
+pub(super) struct LayerCache<'a> {
     earlier: Option<Earlier<'a>>,
 }
 
@@ -47,7 +47,7 @@ pub(super) struct Earlier<'a> {
     bounces: Option<CellSource<'a>>,
 }
 
-impl<'a> Known<'a> {
+impl<'a> LayerCache<'a> {
     /// Opens an archive, which must be of the scene of `scene` and have the same settings. What is
     /// damaged is skipped, and traced again.
     pub fn new(archive: Option<&'a Archive>, scene: &SiteFacts) -> Self {
@@ -65,7 +65,7 @@ impl<'a> Known<'a> {
                     .ok()?;
             Some(Earlier::open(OpenSite::over(archive, Arc::new(facts))))
         };
-        Known { earlier: archive.and_then(earlier) }
+        LayerCache { earlier: archive.and_then(earlier) }
     }
 
     /// Returns the known layers of the receivers of a tile, in their order.

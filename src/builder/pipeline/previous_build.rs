@@ -7,11 +7,11 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::known::{Earlier, KnownReceiver, whole_cells};
+use super::layer_cache::{Earlier, KnownReceiver, whole_cells};
 use super::mirrors::around_cell;
 use super::prepared::PreparedScene;
-use super::preview::Keeping;
-use super::report::Kept;
+use super::preview::PreviewState;
+use super::report::ReusedCounts;
 use super::site_tracer::SiteTracer;
 use crate::held::{check_scene, held_scene};
 use crate::settings::{BuildSettings, Effect};
@@ -45,7 +45,7 @@ pub(super) const PLANE: f64 = 1.0 - 1e-6;
 const CELLS_A_TRIANGLE: u64 = 3;
 
 /// Archive of the scene before, and the change since.
-pub(super) struct Before<'a> {
+pub(super) struct PreviousBuild<'a> {
     pub file: &'a Archive,
     pub archive: Earlier<'a>,
     pub change: Change,
@@ -58,7 +58,7 @@ pub(super) struct Before<'a> {
     /// True if canopies were added or removed.
     pub of_canopies: bool,
     /// Layers that a preview keeps; `None` if the archive is to be complete.
-    pub preview: Option<Keeping>,
+    pub preview: Option<PreviewState>,
     /// Change together with the triangles whose backs may have become lit or dark, which doubtful
     /// cells depend on. `None` if finding these would cost more than tracing the doubtful cells.
     in_doubt: Option<Change>,
@@ -70,7 +70,7 @@ pub(super) struct Before<'a> {
     pub cells: [AtomicU64; 2],
 }
 
-impl<'a> Before<'a> {
+impl<'a> PreviousBuild<'a> {
     /// Compares an archive with a scene. Warns and returns `None` if nothing of the archive can be
     /// used. Fails if the archive is damaged or does not hold its scene.
     pub fn open(
@@ -136,7 +136,7 @@ impl<'a> Before<'a> {
         };
         let same_classes = same(|material| [f64::from(material.class.code()), 0.0, 0.0]);
         let numbers = found.renumbered.iter().copied().eq((0..scene.materials.len() as u16).map(Some));
-        Ok(Some(Before {
+        Ok(Some(PreviousBuild {
             file: archive,
             archive: Earlier::open(OpenSite::open(archive)?),
             same_numbers: numbers,
@@ -163,9 +163,9 @@ impl<'a> Before<'a> {
     }
 
     /// Returns the numbers of receivers and cells kept so far.
-    pub fn kept(&self) -> Kept {
+    pub fn reused(&self) -> ReusedCounts {
         let [probes, bounce_cells] = self.cells.each_ref().map(|count| count.load(Ordering::Relaxed));
-        Kept { receivers: self.receivers.load(Ordering::Relaxed), probes, bounce_cells }
+        ReusedCounts { receivers: self.receivers.load(Ordering::Relaxed), probes, bounce_cells }
     }
 
     /// Returns a cell's key with the number that its material has now; `None` if the material is
@@ -283,7 +283,7 @@ impl SiteTracer<'_> {
 
     /// Returns true if a cell of the scene before is valid in the scene as it is now: no ray that
     /// it depends on meets the change or goes by way of a mirror.
-    pub(super) fn stands(&self, cell: &Cell, before: &Before, texture: &Directions, rays: usize) -> bool {
+    pub(super) fn stands(&self, cell: &Cell, before: &PreviousBuild, texture: &Directions, rays: usize) -> bool {
         let (key, change) = (cell.key, &before.change);
         if change.is_nothing() {
             return cell.mirrors.is_empty();
@@ -318,7 +318,7 @@ impl SiteTracer<'_> {
     /// Does the work of [`SiteTracer::stands`] for a cell with points that may be hidden. Which
     /// points are is not known, so any may have cast any ray of the cell. Also, no ray may hit a
     /// triangle whose back may have become lit or dark.
-    fn doubtful_stands(&self, cell: &Cell, before: &Before, texture: &Directions, rays: usize) -> bool {
+    fn doubtful_stands(&self, cell: &Cell, before: &PreviousBuild, texture: &Directions, rays: usize) -> bool {
         let (key, normal) = (cell.key, DVec3::from(cell.normal.map(f64::from)));
         let Some(change) = &before.in_doubt else { return false };
         // For cells on backs of triangles, lit fronts would be in doubt, and these are not searched
