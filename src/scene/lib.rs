@@ -76,6 +76,8 @@ mod surface_rasters;
 pub mod survey;
 mod terrain;
 #[cfg(test)]
+mod test_files;
+#[cfg(test)]
 mod tests;
 mod text;
 

@@ -24,10 +24,6 @@ mod projections;
 mod read_options;
 mod sidecar;
 mod stl;
-#[cfg(test)]
-mod test_cases;
-#[cfg(test)]
-mod test_solids;
 mod tiff_directory;
 mod unread;
 mod wkt;

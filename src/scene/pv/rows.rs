@@ -197,12 +197,11 @@ fn checked(entry: Entry) -> std::result::Result<RowsOfModules, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::test_files::TestFolder;
 
     fn read(text: &str) -> Result<Vec<RowsOfModules>> {
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = folder.path().join("rows.toml");
-        std::fs::write(&path, text).expect("written");
-        read_rows(&path)
+        let folder = TestFolder::new();
+        read_rows(&folder.write("rows.toml", text))
     }
 
     const GOOD: &str = "[[rows]]\nname = \"a\"\narea = [[0, 0], [9, 0], [9, 9]]\ntilt = 60\nazimuth = -90\npitch = 3\nwidth = 1\nheight = 2\n";
