@@ -17,7 +17,7 @@ extern crate self as heliotile_requests;
 use std::num::ParseIntError;
 use std::path::{Path, PathBuf};
 
-pub use heliotile_requests_derive::{Request, message};
+pub use heliotile_requests_derive::{DefaultRequest, Request, message};
 pub use message::{Message, Named, Piece, Words};
 pub use problem::{Problem, Refused, Wrong, complete};
 

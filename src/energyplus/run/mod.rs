@@ -28,7 +28,7 @@ use heliotile_core::text::{Message, counted};
 use heliotile_core::units::parse_metres;
 use heliotile_files::input;
 use heliotile_files::writing::guards::{guard_archive, guard_output};
-use heliotile_requests::Request;
+use heliotile_requests::{DefaultRequest, Request};
 use heliotile_results::Resources;
 use heliotile_results::outputs::sink::{write_file, write_texts};
 use heliotile_scene::Scene;
@@ -48,7 +48,7 @@ const OFFSET_M: f64 = 0.02;
 const REPORT: [&str; 2] = ["report.md", "report.html"];
 
 /// Request for an EnergyPlus model.
-#[derive(Clone, Debug, Request)]
+#[derive(Clone, Debug, Request, DefaultRequest)]
 pub struct EnergyplusRequest {
     /// EnergyPlus model, .idf or .epJSON, of version 24.1 to 25.2; with --assume-version 25.2 of
     /// any version that EnergyPlus 25.2 runs.
@@ -124,10 +124,11 @@ pub struct EnergyplusRequest {
 }
 
 /// Light paths that are injected.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Physics {
     /// All light paths.
+    #[default]
     Full,
     /// Light paths that EnergyPlus has, too.
     EnergyPlus,
@@ -233,12 +234,6 @@ fn read_model(task: &Task) -> Result<(Document, NamedFiles)> {
     Ok((document, files))
 }
 
-impl Default for EnergyplusRequest {
-    fn default() -> Self {
-        EnergyplusRequest::new("", "")
-    }
-}
-
 /// Usual distances between receivers, metres: shadows of deleted surroundings depend on it.
 const SPACINGS_M: [f64; 2] = [1.0, 0.5];
 
@@ -250,22 +245,7 @@ impl EnergyplusRequest {
 
     /// Returns a request for a model by itself, with all reflections.
     pub fn new(model: impl Into<PathBuf>, folder: impl Into<PathBuf>) -> Self {
-        EnergyplusRequest {
-            model: model.into(),
-            scene: Vec::new(),
-            at: None,
-            crs: None,
-            delete_surroundings: false,
-            weather: None,
-            folder: folder.into(),
-            physics: Physics::Full,
-            run: false,
-            energyplus: None,
-            spacing_m: None,
-            surfaces: SceneRequest::default(),
-            accuracy: AccuracyRequest::default(),
-            replace: false,
-        }
+        EnergyplusRequest { model: model.into(), folder: folder.into(), ..EnergyplusRequest::default() }
     }
 
     /// Writes the folder: the model with its light, the archive, a report.

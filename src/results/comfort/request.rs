@@ -13,14 +13,13 @@ use crate::request::ReplayRequest;
 use heliotile_comfort::mean_radiant::RadiantBody;
 use heliotile_comfort::people::columns::ComfortColumn;
 use heliotile_comfort::people::model::{ComfortModel, SunOnPerson, SurfaceModel};
-use heliotile_comfort::people::periods::PeriodSum;
 use heliotile_comfort::pet::{PetPerson, PetPosture};
 use heliotile_comfort::surroundings::{MIN_FILM_W_M2_K, SeenSurfaces, SurfaceMean, USUAL_FILM_W_M2_K};
 use heliotile_core::error::{Error, Result, check_ranges};
 use heliotile_core::named::NamedValues;
 use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::site::material::{Class, Material, rounded};
-use heliotile_requests::Request;
+use heliotile_requests::{DefaultRequest, Request};
 
 /// Allowed heat transfer coefficients of surfaces, W/m2K.
 const FILMS_W_M2_K: RangeInclusive<f64> = MIN_FILM_W_M2_K..=200.0;
@@ -41,7 +40,7 @@ pub struct ComfortRequest {
 }
 
 /// Properties of people, surfaces and wind.
-#[derive(Clone, Debug, Request)]
+#[derive(Clone, Debug, Request, DefaultRequest)]
 pub struct ComfortChoice {
     /// Columns to write, in this order: some of mrt, utci, pet, air, wind, shortwave and longwave
     /// (six planes each) [default: mrt,utci,pet].
@@ -60,7 +59,7 @@ pub struct ComfortChoice {
     #[field(default = "sol-air")]
     pub surfaces: SurfaceTemperatures,
     /// Heat transfer coefficient between surfaces and air, radiation included, W/m2K.
-    #[field(name = "film", metavar = "W/M2K", default = ComfortChoice::default().film_w_m2_k, range = FILMS_W_M2_K, says = "give 10 to 200 W/m2K, usually 10 in calm air and 25 in wind; it includes the radiation of surfaces")]
+    #[field(name = "film", metavar = "W/M2K", default = USUAL_FILM_W_M2_K, range = FILMS_W_M2_K, says = "give 10 to 200 W/m2K, usually 10 in calm air and 25 in wind; it includes the radiation of surfaces")]
     pub film_w_m2_k: f64,
     /// Longwave emissivity of `ground` or `obstruction`; may be repeated [default: what their
     /// materials state, else ground=0.95, obstruction=0.9].
@@ -74,24 +73,6 @@ pub struct ComfortChoice {
     /// --schedule with a column `wind_m_s`.
     #[field(metavar = "FACTOR|FILE", default = "1", input = Any)]
     pub wind: WindChoice,
-}
-
-impl Default for ComfortChoice {
-    /// Returns standing people among surfaces of sol-air temperatures, in the wind of the weather
-    /// file.
-    fn default() -> Self {
-        ComfortChoice {
-            columns: Vec::new(),
-            above_c: PeriodSum::usual_thresholds_c().to_vec(),
-            posture: Posture::default(),
-            sun_on: SunOnPerson::default(),
-            surfaces: SurfaceTemperatures::default(),
-            film_w_m2_k: USUAL_FILM_W_M2_K,
-            emissivity: Vec::new(),
-            absorptance: Vec::new(),
-            wind: WindChoice::default(),
-        }
-    }
 }
 
 /// Posture of a person.
