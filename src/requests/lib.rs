@@ -361,10 +361,11 @@ impl<T: Parse> Parse for (String, T) {
     }
 }
 
-/// Implements [`Parse`] for types that implement `FromStr` with an error that becomes [`Wrong`].
+/// Implements [`Parse`] for types that implement `FromStr` with an error that becomes [`Wrong`]; a
+/// function behind `=>` returns the file that a value names.
 #[macro_export]
 macro_rules! parse_by_text {
-    ($($type:ty: $form:expr),+ $(,)?) => {$(
+    ($($type:ty: $form:expr $(=> $file:path)?),+ $(,)?) => {$(
         impl $crate::Parse for $type {
             fn form() -> $crate::Form {
                 $form
@@ -373,6 +374,10 @@ macro_rules! parse_by_text {
             fn parse(text: &str) -> ::std::result::Result<Self, $crate::Wrong> {
                 text.parse().map_err(::std::convert::Into::into)
             }
+
+            $(fn path(&self) -> ::std::option::Option<&::std::path::Path> {
+                $file(self)
+            })?
         }
     )+};
 }

@@ -13,7 +13,7 @@ use crate::model_version::ModelVersion;
 use crate::placing::frame::{SiteFrame, UpAxis, check_elevation, check_rotation, check_scale};
 use crate::region_part::RegionPart;
 use crate::surface_rasters::SurfaceRasters;
-use crate::text::line_of_offset;
+use crate::text::read_toml;
 use heliotile_core::error::{Error, Result};
 use heliotile_files::input;
 use heliotile_files::writing::guards::guard_output;
@@ -310,10 +310,7 @@ const TILES: [&str; 3] = ["gml", "citygml", "xml"];
 fn read_site(path: &Path, materials: Option<&Path>) -> Result<SceneFiles> {
     let bytes = input::read(path)?;
     let text = String::from_utf8_lossy(&bytes);
-    let document: Document = toml::from_str(&text).map_err(|error| {
-        let line = error.span().map(|span| line_of_offset(text.as_bytes(), span.start));
-        Error::input(path, line, error.message().to_owned(), KEYS)
-    })?;
+    let document: Document = read_toml(path, &text, KEYS)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut parts = Vec::new();
     for entry in &document.scene {

@@ -67,6 +67,24 @@ pub fn faces(geometry: &Geometry) -> Vec<(&str, &str)> {
         .collect()
 }
 
+/// Checks that a file with a fault gives `count` faces, no more than one sentence, which contains
+/// `words`, and triangles.
+pub fn assert_said(geometry: &Geometry, count: usize, words: &str) {
+    assert_eq!(geometry.face_count(), count, "{words}");
+    let left = geometry.left_out.iter().map(|(reason, count)| format!("LEFT {count} {reason}"));
+    let said: Vec<String> = geometry.warnings.iter().map(|said| said.plain()).chain(left).collect();
+    assert!(said.len() <= 1 && said.join("").contains(words), "{words}: {said:?}");
+    triangulate(geometry).expect(words);
+}
+
+/// Checks that an outline of a million corners is read unchanged, and that triangulation refuses
+/// it.
+pub fn assert_too_many_corners(geometry: &Geometry) {
+    assert_eq!((geometry.face_count(), geometry.vertices.len()), (1, 1_000_000));
+    let message = triangulate(geometry).expect_err("too many").to_string();
+    assert!(message.contains("1000000, the limit is 65536"), "{message}");
+}
+
 /// Random numbers below a limit, equal in every run.
 pub struct Random(u64);
 

@@ -166,6 +166,21 @@ pub(super) struct Targets {
 }
 
 impl Targets {
+    /// Assigns light to surfaces: their own, which is that of `lit` in order, their wall's, or none
+    /// to hidden ones; openings in hidden walls are listed if `with_hidden_walls`.
+    fn new(document: &Document, lit: &[&str], covered: &PlacedReceivers, with_hidden_walls: bool) -> Targets {
+        let number: BTreeMap<String, usize> = lit.iter().zip(0..).map(|(name, i)| (name.to_lowercase(), i)).collect();
+        let all = covered.all().map(|(_, piece, surface, _)| covered.part(piece, surface).face);
+        let hidden: BTreeSet<String> = all.filter(|name| !number.contains_key(&name.to_lowercase())).collect();
+        let walls = hidden.iter().filter(|_| with_hidden_walls).map(|name| name.to_lowercase());
+        let by_wall = checks::openings_left_out(document, &number.keys().cloned().chain(walls).collect());
+        let mut list: Vec<(String, Option<usize>)> =
+            lit.iter().zip(0..).map(|(name, i)| ((*name).to_owned(), Some(i))).collect();
+        list.extend(by_wall.iter().map(|(name, wall)| (name.clone(), number.get(wall).copied())));
+        list.extend(hidden.iter().map(|name| (name.clone(), None)));
+        Targets { list, by_wall, hidden: hidden.into_iter().collect(), partly: partly_hidden(covered) }
+    }
+
     /// Returns the number of surfaces with light of their own: those of the report's table.
     pub(super) fn own(&self) -> usize {
         let numbers: BTreeSet<usize> = self.list.iter().filter_map(|(_, number)| *number).collect();
@@ -265,6 +280,13 @@ impl Task<'_> {
         self.resources.observer.warn(text);
     }
 
+    /// Tells what is hidden, what was changed and what to know.
+    fn tell(&self, targets: &Targets, notes: &[Message], warnings: &[Message]) {
+        warn_of_partly_hidden(&targets.partly, self);
+        notes.iter().for_each(|note| self.report(note.clone().and("\n")));
+        warnings.iter().for_each(|text| self.warn(text));
+    }
+
     /// Words sentences of a report for the user interface.
     fn worded(&self, sentences: &[Message]) -> Vec<String> {
         sentences.iter().map(|text| self.resources.observer.in_words(text)).collect()
@@ -301,7 +323,8 @@ fn run(task: &Task) -> Result<()> {
         Physics::Full => ground_range(&document),
     };
     let lights = lights(task, ground, &archive, &covered)?;
-    let targets = targets(&document, &lights, &covered);
+    let names: Vec<&str> = lights.iter().map(|light| light.name.as_str()).collect();
+    let targets = Targets::new(&document, &names, &covered, true);
     let injection =
         Injection { grid: SunGrid::USUAL, sky: sky_of(task.request.physics), lights: &lights, targets: &targets.list };
     let mut changed = injection::write(&mut document, &injection)?;
@@ -310,9 +333,7 @@ fn run(task: &Task) -> Result<()> {
     let injected: BTreeSet<String> = targets.list.iter().map(|(name, _)| name.to_lowercase()).collect();
     let mut warnings = named_files.warnings;
     warnings.extend(checks::warnings(&document, task.request.surfaces.assume_version, &injected));
-    warn_of_partly_hidden(&targets.partly, task);
-    changed.notes.iter().for_each(|note| task.report(note.clone().and("\n")));
-    warnings.iter().for_each(|text| task.warn(text));
+    task.tell(&targets, &changed.notes, &warnings);
     let told = pages::ReportContents {
         task,
         archive: &archive,
@@ -475,20 +496,6 @@ fn ground_range(document: &Document) -> GroundRange {
         let high = high.max(injection::MIN_GROUND);
         GroundRange { low: 0.5 * high, high }
     }
-}
-
-/// Assigns light to surfaces: their own, their wall's, or none to hidden ones.
-fn targets(document: &Document, lights: &[SurfaceLight], covered: &PlacedReceivers) -> Targets {
-    let number: BTreeMap<String, usize> = lights.iter().enumerate().map(|(i, l)| (l.name.to_lowercase(), i)).collect();
-    let mut list: Vec<(String, Option<usize>)> =
-        lights.iter().enumerate().map(|(i, light)| (light.name.clone(), Some(i))).collect();
-    let all = covered.all().map(|(_, piece, surface, _)| covered.part(piece, surface).face);
-    let hidden: BTreeSet<String> = all.filter(|name| !number.contains_key(&name.to_lowercase())).collect();
-    let known = number.keys().cloned().chain(hidden.iter().map(|name| name.to_lowercase()));
-    let by_wall = checks::openings_left_out(document, &known.collect());
-    list.extend(by_wall.iter().map(|(name, wall)| (name.clone(), number.get(wall).copied())));
-    list.extend(hidden.iter().map(|name| (name.clone(), None)));
-    Targets { list, by_wall, hidden: hidden.into_iter().collect(), partly: partly_hidden(covered) }
 }
 
 fn write_document(path: &Path, document: &Document) -> Result<()> {
