@@ -135,8 +135,8 @@ pub mod archive {
 pub mod atlas {
     pub use heliotile_atlas::about::built;
     pub use heliotile_atlas::catalogue::{CatalogueRequest, catalogue};
+    pub use heliotile_atlas::listed::{PARTS, archive_of, list};
     pub use heliotile_atlas::opened::check_square;
-    pub use heliotile_atlas::page::{PARTS, archive_of, list};
     pub use heliotile_atlas::part::{PartRequest, build_parts};
     pub use heliotile_atlas::partition::{PartitionRequest, partition};
     pub use heliotile_atlas::plan::{AtlasPlan, CutRequest, FILE};

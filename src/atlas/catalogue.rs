@@ -9,8 +9,8 @@ use serde_json::{Map, Value, json};
 
 use crate::about::built;
 use crate::listed::ListedPart;
+use crate::listed::{PARTS, list};
 use crate::opened::Atlas;
-use crate::page::{PARTS, list};
 use crate::state::PartState;
 use crate::thumbnails::Thumbnails;
 use heliotile_archives::complete;

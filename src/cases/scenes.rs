@@ -323,15 +323,7 @@ impl Receivers {
 /// Height of the eyes of drivers above the road, metres.
 const EYES_M: f64 = 1.2;
 
-/// Seconds between checkpoints.
-const CHECKPOINT_S: u32 = 30;
-
 impl Build {
-    /// Returns the seconds between checkpoints.
-    pub fn checkpoint_s(&self) -> u32 {
-        self.checkpoint.unwrap_or(CHECKPOINT_S)
-    }
-
     /// An atlas is recognised when it is read.
     fn skipped(&self) -> Vec<&'static str> {
         if self.part.is_some() { vec!["scene", "from"] } else { Vec::new() }

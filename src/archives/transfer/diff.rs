@@ -6,10 +6,10 @@ use std::path::Path;
 
 use crate::Workspace;
 use crate::transfer::compare::{Difference, differences};
-use crate::transfer::conflicts::listed;
 use crate::transfer::digests::{AllLayers, Digests, cell_name, same_cell};
 use crate::transfer::output::unknown;
 use crate::transfer::rows::{ArchiveReceivers, all_cells};
+use crate::transfer::union::listed;
 use crate::transfer::union::{Side, union};
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::Result;

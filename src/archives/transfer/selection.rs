@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 
 use crate::receiver_ids::ReceiverIds;
-use crate::transfer::conflicts::listed;
 use crate::transfer::rows::ArchiveReceivers;
+use crate::transfer::union::listed;
 use crate::transfer::union::{Side, union};
 use heliotile_core::archive::tables::NameOf;
 use heliotile_core::error::{Error, Result};

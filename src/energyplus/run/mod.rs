@@ -22,7 +22,7 @@ use heliotile_builder::trace::placement::Placement;
 use heliotile_core::archive::Archive;
 use heliotile_core::error::{Error, Result, check_ranges};
 use heliotile_core::light::paths::LightPaths;
-use heliotile_core::named::{NamedValues, name_of};
+use heliotile_core::named::NamedValues;
 use heliotile_core::replay::factors::SunGrid;
 use heliotile_core::text::{Message, counted};
 use heliotile_core::units::parse_metres;
@@ -512,11 +512,6 @@ fn summary(files: &Files, targets: &Targets, changed: &Changed) -> String {
         files.model.with_file_name(REPORT[0]).display(),
         files.model.display()
     )
-}
-
-/// Returns the name of the light for the report.
-pub(super) fn physics_name(physics: Physics) -> &'static str {
-    name_of(&physics)
 }
 
 heliotile_core::parse_by_name!(Physics);

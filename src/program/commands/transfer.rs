@@ -2,12 +2,13 @@
 //! two, or their differences.
 
 use super::console::terminal::Terminal;
-use super::{Outcome, remark, say, workspace_beside};
+use super::{Outcome, remark, say};
 use heliotile::archive::{Assembled, format, transfer};
 use heliotile::atlas::holding;
 use heliotile::cases::{Diff, Extract, Merge};
-use heliotile::output::{guard_archive, guard_output};
+use heliotile::output::{folder_of, guard_archive, guard_output};
 use heliotile::text::counted;
+use heliotile::tracing::Workspace;
 use heliotile::{Access, Error, Provenance, Result};
 
 /// `heliotile archive merge`.
@@ -45,7 +46,7 @@ pub fn extract(args: &Extract, _: Provenance) -> Result<Outcome> {
     inputs.extend(args.receivers.receivers.as_deref());
     guard_output(&args.output, &inputs)?;
     guard_archive(&args.output)?;
-    let workspace = workspace_beside(&args.output, args.memory);
+    let workspace = Workspace { folder: folder_of(&args.output).into(), memory: args.memory };
     let archive = holding(&args.archive, &selection, args.io.unwrap_or(Access::Read), &workspace)?;
     let extracted =
         transfer::extract(&archive, &selection, !args.no_scene, &args.output, &workspace, &Terminal::default())?;

@@ -4,7 +4,6 @@
 
 mod hdr;
 mod images;
-mod pixels;
 
 use std::path::{Path, PathBuf};
 use std::str::FromStr;

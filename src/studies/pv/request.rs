@@ -97,14 +97,9 @@ impl PvRequest {
         PvRequest { scene, weather, points, folder, ..PvRequest::default() }
     }
 
-    /// Returns the table of points, for messages.
-    pub(super) fn points_file(&self) -> &Path {
-        self.points.as_deref().unwrap_or(Path::new(""))
-    }
-
-    /// Returns the file of rows.
-    pub(super) fn rows_file(&self) -> &Path {
-        self.rows.as_deref().unwrap_or(Path::new(""))
+    /// Returns the table of points or the file of rows, for messages.
+    pub(super) fn modules_file(&self) -> &Path {
+        self.points.as_deref().or(self.rows.as_deref()).unwrap_or(Path::new(""))
     }
 
     /// Returns the orientations that a search may choose.

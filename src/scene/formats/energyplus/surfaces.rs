@@ -6,19 +6,19 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use crate::coordinate::is_position;
 use crate::formats::building::back_to_back::back_to_back;
 use crate::formats::building::frame::{Frame, area_vector};
 use crate::formats::building::holes;
 use crate::formats::building::holes::{Fit, ROUNDED_M};
 use crate::formats::building::notes::Notes;
-use crate::formats::building::reasons::{ALL_WINDOW, BEYOND, INSIDE, TOO_FAR, TOO_FEW};
+use crate::formats::building::notes::{ALL_WINDOW, BEYOND, INSIDE, TOO_FAR, TOO_FEW};
 use crate::formats::energyplus::materials::Materials;
+use crate::formats::energyplus::model::{AdjacentSpace, Surface};
 use crate::formats::energyplus::model::{Model, Object, same};
 use crate::formats::energyplus::place::{Of, PlaceObject};
-use crate::formats::energyplus::surface::{AdjacentSpace, Surface};
 use crate::formats::energyplus::turned::turn_outwards;
 use crate::geometry::Geometry;
+use crate::geometry::is_position;
 use heliotile_core::error::Result;
 use heliotile_core::site::scene_object::ObjectNote;
 use heliotile_core::site::semantics::{FaceNote, FaceSource, SurfaceKind};

@@ -6,19 +6,19 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use crate::coordinate::is_position;
 use crate::formats::building::back_to_back::back_to_back;
 use crate::formats::building::frame::{Frame, area_vector};
 use crate::formats::building::holes::ROUNDED_M;
 use crate::formats::building::notes::Notes;
+use crate::formats::building::notes::{ALL_WINDOW, BEYOND, INSIDE, TOO_FAR, TURNED_OPENINGS};
 use crate::formats::building::outwards::facing_inwards;
-use crate::formats::building::reasons::{ALL_WINDOW, BEYOND, INSIDE, TOO_FAR, TURNED_OPENINGS};
 use crate::formats::honeybee::cut::cut;
 use crate::formats::honeybee::document::{Boundary, Face, FaceType, Model, Opening, Room, Shade, ShadeMesh};
 use crate::formats::honeybee::kind::{AdjacentSpace, Kind, Surface};
 use crate::formats::honeybee::materials::Materials;
 use crate::formats::honeybee::surface::{Rings, Writer};
 use crate::geometry::Geometry;
+use crate::geometry::is_position;
 use heliotile_core::error::{Error, Result};
 
 /// Reason for leaving out shades at the inner side of something.
