@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 use std::path::Path;
 
 use heliotile_core::error::{Error, Result};
-use heliotile_core::text::counted;
+use heliotile_core::text::{FirstNames, counted};
 
 /// Item of a union, by the sequences that hold it.
 pub enum Side<T> {
@@ -60,38 +60,23 @@ pub fn union<T>(
     })
 }
 
-/// Largest number of names in a message.
-const NAMED: usize = 10;
-
 /// Conflicts of a merge.
 #[derive(Debug, Default)]
-pub struct Conflicts {
-    names: Vec<String>,
-    count: u64,
-}
+pub struct Conflicts(FirstNames<10>);
 
 impl Conflicts {
     pub fn add(&mut self, name: impl FnOnce() -> String) {
-        self.count += 1;
-        if self.names.len() < NAMED {
-            self.names.push(name());
-        }
+        self.0.add(name);
     }
 
     /// Returns an error that lists the conflicts, if there are any.
     pub fn check(&self, first: &Path, second: &Path) -> Result<()> {
-        if self.count == 0 {
+        if self.0.count == 0 {
             return Ok(());
         }
-        let what =
-            format!("cannot be merged with {}: {}", first.display(), listed(self.count, "conflict", &self.names));
+        let count = counted(self.0.count, "conflict");
+        let what = format!("cannot be merged with {}: {count}: {}", first.display(), self.0.listed());
         let hint = "see `{command:archive diff}`; build one of the two again, or leave receivers out with `{command:archive extract}`";
         Err(Error::input(second, None, what, hint))
     }
-}
-
-/// Formats `12 receivers: a, b, ...`; names may be fewer than the count.
-pub fn listed(count: u64, thing: &str, names: &[String]) -> String {
-    let more = if count > names.len() as u64 { ", ..." } else { "" };
-    format!("{}: {}{more}", counted(count, thing), names.join(", "))
 }

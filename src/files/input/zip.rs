@@ -5,6 +5,7 @@ use std::io::{Cursor, Read};
 use std::path::Path;
 
 use heliotile_core::error::{Error, Result};
+use heliotile_core::text::listed;
 use zip::{CompressionMethod, ZipArchive};
 
 use super::budget::most;
@@ -44,8 +45,7 @@ pub(super) fn single(bytes: &[u8], packed: u64, file: &Path) -> Result<Option<Si
     let files: Vec<(usize, String)> = all.into_iter().filter(|(_, name)| is_file(name)).collect();
     let [(number, name)] = files.as_slice() else {
         let some = files.iter().take(NAMED).map(|(_, name)| format!("`{}`", excerpt(name.as_bytes())));
-        let (some, more) = (some.collect::<Vec<_>>().join(", "), if files.len() > NAMED { ", ..." } else { "" });
-        return Err(refuse(format!("the zip holds {} files, not one: {some}{more}", files.len())));
+        return Err(refuse(format!("the zip holds {} files, not one: {}", files.len(), listed(some, files.len()))));
     };
     let shown = excerpt(name.as_bytes());
     // The raw entry shows the packing method before anything is unpacked.

@@ -23,6 +23,7 @@ use heliotile_core::observer::Observer;
 use heliotile_core::replay::components::{ComponentList, ComponentSet};
 use heliotile_core::replay::values::TileValues;
 use heliotile_core::site::receiver::Receiver;
+use heliotile_core::text::listed;
 
 /// Site before a change, ready to be replayed.
 pub struct BeforeSide<'a> {
@@ -223,12 +224,11 @@ fn tell(before: Archives, before_place: &Path, after: Archives, place: &Path, ob
         })
         .collect();
     if !named.is_empty() {
-        let more = if named.len() > NAMED { ", ..." } else { "" };
         observer.warn(format!(
-            "{} and {} were built with different settings ({}{more}): changes include the effect of the settings",
+            "{} and {} were built with different settings ({}): changes include the effect of the settings",
             names[0],
             names[1],
-            named.iter().take(NAMED).map(String::as_str).collect::<Vec<_>>().join(", ")
+            listed(named.iter().take(NAMED), named.len())
         ));
     }
     Ok(())
