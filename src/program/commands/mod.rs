@@ -10,26 +10,21 @@ macro_rules! line {
 }
 
 pub mod atlas;
-pub mod audit;
 pub mod build;
 pub mod comfort;
 mod console;
 pub mod copy;
-pub mod energyplus;
 pub mod export;
 pub mod inspect;
 pub mod pv;
 pub mod receivers;
-pub mod repair;
 pub mod replay;
 pub mod run;
 mod scene;
 mod shells;
 mod starts;
 pub mod sunlight;
-pub mod tradeoff;
 pub mod transfer;
-pub mod update;
 pub mod view;
 mod weather;
 

@@ -1,15 +1,16 @@
-//! `heliotile archive extract`, `merge` and `diff`. In: archives. Out: a part of one, the union of
-//! two, or their differences.
+//! Commands on archives: `heliotile update`, and `heliotile archive extract`, `merge`, `diff`,
+//! `repair` and `audit`. In: archives. Out: an edited one, a part of one, the union of two, their
+//! differences, one without damage, or a check of the stated error.
 
 use super::console::terminal::Terminal;
 use super::{Outcome, remark, say};
 use heliotile::archive::{Assembled, format, transfer};
 use heliotile::atlas::holding;
-use heliotile::cases::{Diff, Extract, Merge};
+use heliotile::cases::{Audit, Diff, Extract, Merge, Repair, Update};
 use heliotile::output::{folder_of, guard_archive, guard_output};
 use heliotile::text::counted;
 use heliotile::tracing::Workspace;
-use heliotile::{Access, Error, Provenance, Result};
+use heliotile::{Access, Error, Provenance, Resources, Result, Verdict};
 
 /// `heliotile archive merge`.
 pub fn merge(args: &Merge, _: Provenance) -> Result<Outcome> {
@@ -71,4 +72,35 @@ pub fn diff(args: &Diff, _: Provenance) -> Result<Outcome> {
     let (is_equal, text) = args.found()?;
     say(&text)?;
     Ok(if is_equal { Outcome::Fine } else { Outcome::ProblemFound })
+}
+
+/// `heliotile update`.
+pub fn update(args: &Update, _: Provenance) -> Result<Outcome> {
+    let terminal = Terminal::watching();
+    let resources = Resources::new(args.memory, &terminal);
+    remark(args.request().write(&resources)?.text())?;
+    Ok(Outcome::Fine)
+}
+
+/// `heliotile archive repair`.
+pub fn repair(args: &Repair, _: Provenance) -> Result<Outcome> {
+    let terminal = Terminal::watching();
+    let resources = Resources::new(args.memory, &terminal);
+    remark(args.request.write(&resources)?.text())?;
+    Ok(Outcome::Fine)
+}
+
+/// `heliotile archive audit`: an error larger than the stated one is a finding (exit 1).
+pub fn audit(args: &Audit, about: Provenance) -> Result<Outcome> {
+    let terminal = Terminal::default();
+    let resources = Resources::new(args.memory, &terminal);
+    let report = args.request.run(&resources)?;
+    say(&report.text())?;
+    if let Some(folder) = &args.output {
+        say(&format!("{}: open it in a browser\n", report.write(folder, about)?.display()))?;
+    }
+    Ok(match report.verdict {
+        Verdict::Refuted => Outcome::ProblemFound,
+        Verdict::Holds | Verdict::NothingStated => Outcome::Fine,
+    })
 }

@@ -132,8 +132,9 @@ fn expand(input: &DeriveInput) -> Result<Tokens> {
     }
     let (ident, own) = (&input.ident, &about.groups);
     let (also, skips) = (about.also.iter(), about.skips.iter());
+    let (generics, types, bounds) = input.generics.split_for_impl();
     Ok(quote! {
-        impl ::heliotile_requests::Request for #ident {
+        impl #generics ::heliotile_requests::Request for #ident #types #bounds {
             fn rows() -> Vec<::heliotile_requests::Row> {
                 let mut rows = Vec::new();
                 #(#rows)*
