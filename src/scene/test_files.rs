@@ -1,5 +1,5 @@
-//! Files and solids for tests. In: names and texts. Out: files in folders that go with the test, the
-//! scenes in them, their areas and volumes.
+//! Files and solids for tests. In: names and texts. Out: files in folders that go with the test,
+//! the scenes in them, their areas and volumes.
 
 use std::path::{Path, PathBuf};
 

@@ -1,11 +1,10 @@
 //! Request for the thermal comfort of people. In: the choices of a user. Out: these choices as one
 //! value that was checked.
 
+use std::fmt;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
-
-use serde::{Deserialize, Serialize};
 
 use crate::files::OutputRequest;
 use crate::outputs::periods::Every;
@@ -96,8 +95,7 @@ pub enum SurfaceTemperatures {
 }
 
 /// Share for a class of surfaces, written as in `ground=0.95`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "String", into = "String")]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClassShare {
     /// Class of surfaces that has this share.
     pub class: Class,
@@ -106,8 +104,7 @@ pub struct ClassShare {
 }
 
 /// Source of the wind, written as `0.7` or as the name of a file.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "String", into = "String")]
+#[derive(Clone, Debug, PartialEq)]
 pub enum WindChoice {
     /// Wind of the weather file, times a factor.
     Factor(f64),
@@ -147,34 +144,18 @@ impl FromStr for ClassShare {
     }
 }
 
-impl TryFrom<String> for WindChoice {
-    type Error = String;
-
-    fn try_from(text: String) -> std::result::Result<Self, String> {
-        text.parse()
-    }
-}
-
-impl From<WindChoice> for String {
-    fn from(wind: WindChoice) -> String {
-        match wind {
-            WindChoice::Factor(factor) => factor.to_string(),
-            WindChoice::File(file) => file.display().to_string(),
+impl fmt::Display for WindChoice {
+    fn fmt(&self, to: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            WindChoice::Factor(factor) => write!(to, "{factor}"),
+            WindChoice::File(file) => write!(to, "{}", file.display()),
         }
     }
 }
 
-impl TryFrom<String> for ClassShare {
-    type Error = String;
-
-    fn try_from(text: String) -> std::result::Result<Self, String> {
-        text.parse()
-    }
-}
-
-impl From<ClassShare> for String {
-    fn from(share: ClassShare) -> String {
-        format!("{}={}", share.class.name(), share.share)
+impl fmt::Display for ClassShare {
+    fn fmt(&self, to: &mut fmt::Formatter) -> fmt::Result {
+        write!(to, "{}={}", self.class.name(), self.share)
     }
 }
 
@@ -334,3 +315,5 @@ impl heliotile_requests::Parse for WindChoice {
         if let WindChoice::File(file) = self { Some(file) } else { None }
     }
 }
+
+heliotile_core::serde_by_text!(ClassShare, WindChoice);
