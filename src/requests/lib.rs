@@ -226,8 +226,10 @@ impl Form {
 
 /// A type whose values are read from texts.
 pub trait Parse: Sized {
-    /// Returns how values look.
-    fn form() -> Form;
+    /// Returns how values look: as texts, unless a type says otherwise.
+    fn form() -> Form {
+        Form::TEXT
+    }
 
     /// Reads a value. An error says what is wrong and what to give.
     fn parse(text: &str) -> Result<Self, Wrong>;
@@ -239,10 +241,6 @@ pub trait Parse: Sized {
 }
 
 impl Parse for String {
-    fn form() -> Form {
-        Form::TEXT
-    }
-
     fn parse(text: &str) -> Result<Self, Wrong> {
         Ok(text.to_owned())
     }
@@ -299,10 +297,6 @@ whole_numbers!(u16, u32, u64, usize, i32);
 
 /// Numbers, separated by commas.
 impl<const N: usize> Parse for [f64; N] {
-    fn form() -> Form {
-        Form::TEXT
-    }
-
     fn parse(text: &str) -> Result<Self, Wrong> {
         let numbers: Vec<f64> = text.split(',').map(|part| f64::parse(part.trim())).collect::<Result<_, _>>()?;
         numbers.try_into().map_err(|_| unreadable(text, format!("give {N} numbers, separated by commas")))
@@ -347,10 +341,6 @@ impl<R: Request> Request for Box<R> {
 
 /// A name and its value, `NAME=VALUE`.
 impl<T: Parse> Parse for (String, T) {
-    fn form() -> Form {
-        Form::TEXT
-    }
-
     fn parse(text: &str) -> Result<Self, Wrong> {
         let (name, value) = text.split_once('=').filter(|(name, _)| !name.is_empty()).ok_or("give NAME=VALUE")?;
         Ok((name.to_owned(), T::parse(value)?))

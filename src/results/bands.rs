@@ -221,10 +221,6 @@ fn own_bands(path: &Path, text: &str) -> Result<Vec<OwnBand>> {
 }
 
 impl heliotile_requests::Parse for BandList {
-    fn form() -> heliotile_requests::Form {
-        heliotile_requests::Form::TEXT
-    }
-
     /// Reads the names, and the files of custom bands.
     fn parse(text: &str) -> std::result::Result<Self, heliotile_requests::Wrong> {
         text.parse::<BandChoice>()?.read(&input::read).map_err(|error| error.to_string().into())

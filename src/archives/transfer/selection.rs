@@ -288,10 +288,6 @@ fn tiles_of_ids(site: &OpenSite, wanted: &mut Sorted) -> Result<Vec<u32>> {
 
 /// A box as `xmin,ymin,xmax,ymax` of any height, or with `zmin,zmax` behind.
 impl heliotile_requests::Parse for Bounds {
-    fn form() -> heliotile_requests::Form {
-        heliotile_requests::Form::TEXT
-    }
-
     fn parse(text: &str) -> std::result::Result<Self, heliotile_requests::Wrong> {
         let number = |part: &str| <f64 as heliotile_requests::Parse>::parse(part.trim());
         Ok(Bounds::new(&text.split(',').map(number).collect::<std::result::Result<Vec<f64>, _>>()?)?)

@@ -18,7 +18,7 @@ use heliotile_core::error::{Error, Result, check_ranges};
 use heliotile_core::named::NamedValues;
 use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::site::material::{Class, Material, rounded};
-use heliotile_requests::{DefaultRequest, Request};
+use heliotile_requests::{DefaultRequest, Parse, Request};
 
 /// Allowed heat transfer coefficients of surfaces, W/m2K.
 const FILMS_W_M2_K: RangeInclusive<f64> = MIN_FILM_W_M2_K..=200.0;
@@ -189,11 +189,7 @@ impl ComfortRequest {
 
     /// Returns the files that are read besides archives.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
-        let wind = match &self.choice.wind {
-            WindChoice::File(file) => Some(file.as_path()),
-            WindChoice::Factor(_) => None,
-        };
-        self.replay.files().chain(wind)
+        self.replay.files().chain(self.choice.wind.path())
     }
 
     /// Returns the replay that gives the light of each hour, with the air.
@@ -302,11 +298,7 @@ heliotile_core::parse_by_name!(Posture, SurfaceTemperatures);
 
 heliotile_requests::parse_by_text!(ClassShare: heliotile_requests::Form::TEXT);
 
-impl heliotile_requests::Parse for WindChoice {
-    fn form() -> heliotile_requests::Form {
-        heliotile_requests::Form::TEXT
-    }
-
+impl Parse for WindChoice {
     fn parse(text: &str) -> std::result::Result<Self, heliotile_requests::Wrong> {
         Ok(text.parse::<Self>()?)
     }
