@@ -23,7 +23,7 @@ use heliotile_place::reference::Reference;
 #[derive(Debug, Default)]
 pub(super) struct Geometry {
     /// Positions in input coordinates, metres; finite, at most
-    /// [`MAX_COORDINATE_M`] in size.
+    /// [`MAX_COORDINATE_M`](crate::coordinate::MAX_COORDINATE_M) in size.
     pub vertices: Vec<DVec3>,
     /// Corners of all faces one after the other, outline before holes: indices into `vertices`, all
     /// in range.
@@ -121,9 +121,9 @@ impl<'a> Polygon<'a> {
 
 impl Geometry {
     /// Adds a vertex and returns its index. The caller has checked the position with
-    /// [`is_position`].
+    /// [`is_position`](crate::coordinate::is_position).
     pub(super) fn push_vertex(&mut self, file: &Path, position: DVec3) -> Result<u32> {
-        debug_assert!(is_position(position));
+        debug_assert!(crate::coordinate::is_position(position));
         let index = u32::try_from(self.vertices.len()).ok().filter(|i| *i < u32::MAX).ok_or_else(|| Error::Limit {
             what: format!("the number of vertices of {}", file.display()).into(),
             value: self.vertices.len() as u64 + 1,
@@ -366,15 +366,6 @@ impl Names {
     pub(super) fn as_slice(&self) -> &[String] {
         &self.names
     }
-}
-
-/// Largest coordinate that is accepted as a position in metres; larger ones are accidents.
-pub(crate) const MAX_COORDINATE_M: f64 = 1e9;
-
-/// Returns true if a position is finite and at most [`MAX_COORDINATE_M`] in size.
-pub(crate) fn is_position(position: DVec3) -> bool {
-    // NaN compares false.
-    position.to_array().iter().all(|metres| metres.abs() <= MAX_COORDINATE_M)
 }
 
 #[cfg(test)]

@@ -41,6 +41,7 @@
 
 mod attributes;
 pub mod change;
+mod coordinate;
 pub mod covering;
 pub mod edit;
 mod facing;
@@ -92,7 +93,7 @@ pub use model_version::ModelVersion;
 pub use surface_rasters::SurfaceRasters;
 pub use text::read_toml;
 
-use geometry::MAX_COORDINATE_M;
+use coordinate::MAX_COORDINATE_M;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::observer::Observer;
 use heliotile_core::site::content::ContentHasher;

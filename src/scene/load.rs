@@ -8,11 +8,11 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
+use crate::coordinate::is_position;
 use crate::footprints::ground_below::GroundBelow;
 use crate::footprints::raised::{FootprintFile, raise};
 use crate::formats;
 use crate::formats::{Content, ReadOptions};
-use crate::geometry::is_position;
 use crate::geometry::{Geometry, Names};
 use crate::ground::endless::EndlessGround;
 use crate::ground::found::{DETACHED_M, lies_free, surrounds};

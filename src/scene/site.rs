@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 use serde::Deserialize;
 
+use crate::coordinate::is_position;
 use crate::footprint_options::{FootprintOptions, HeightAbove, HeightSource};
-use crate::geometry::is_position;
 use crate::model_version::ModelVersion;
 use crate::placing::frame::{SiteFrame, UpAxis, check_elevation, check_rotation, check_scale};
 use crate::region_part::RegionPart;

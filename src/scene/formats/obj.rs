@@ -5,11 +5,11 @@ use std::path::Path;
 
 use glam::DVec3;
 
+use crate::coordinate::MAX_COORDINATE_M;
 use crate::formats::mtl;
 use crate::formats::mtl::{Library, UsedMaterials};
 use crate::formats::{ReadOptions, stem};
 use crate::geometry::Geometry;
-use crate::geometry::MAX_COORDINATE_M;
 use crate::placing::y_up::HeaderUp;
 use crate::text::{Lines, Words, excerpt, keyword_and_rest, leading_index, number};
 use heliotile_core::error::{Error, Result};

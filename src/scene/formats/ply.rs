@@ -9,12 +9,12 @@ use std::path::Path;
 
 use glam::DVec3;
 
+use crate::coordinate::is_position;
 use crate::formats::obj::DEFAULT_MATERIAL;
 use crate::formats::ply_body::Body;
 use crate::formats::ply_header::{Element, Header, Property};
 use crate::formats::stem;
 use crate::geometry::Geometry;
-use crate::geometry::is_position;
 use heliotile_core::error::{Error, Result};
 
 pub(super) fn parse(bytes: &[u8], file: &Path) -> Result<Geometry> {

@@ -10,10 +10,10 @@ use std::path::Path;
 
 use glam::DVec3;
 
+use crate::coordinate::is_position;
 use crate::formats::obj::DEFAULT_MATERIAL;
 use crate::formats::stem;
 use crate::geometry::Geometry;
-use crate::geometry::is_position;
 use crate::text::{Lines, Words, excerpt, keyword_and_rest, number, without_byte_order_mark};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::text::Message;

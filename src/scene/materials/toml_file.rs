@@ -8,7 +8,7 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::geometry::MAX_COORDINATE_M;
+use crate::coordinate::MAX_COORDINATE_M;
 use crate::ground::endless;
 use crate::ground::endless::EndlessGround;
 use crate::materials::select::{MaterialTable, table_header};

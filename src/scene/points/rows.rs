@@ -4,7 +4,7 @@
 use glam::DVec3;
 
 use super::header::{Found, Header, Names};
-use crate::geometry::MAX_COORDINATE_M;
+use crate::coordinate::MAX_COORDINATE_M;
 use crate::text::excerpt;
 use heliotile_core::error::{Problem, Result};
 use heliotile_core::orientation::fan::Orientation;

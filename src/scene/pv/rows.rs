@@ -6,8 +6,8 @@ use std::path::Path;
 use glam::DVec2;
 use serde::Deserialize;
 
+use crate::coordinate::MAX_COORDINATE_M;
 use crate::covering::surfaces::{Surface, Surfaces};
-use crate::geometry::MAX_COORDINATE_M;
 use crate::text::read_toml;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::orientation::fan::Orientation;

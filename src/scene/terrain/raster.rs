@@ -6,7 +6,7 @@ use std::path::Path;
 
 use glam::{DVec2, DVec3};
 
-use crate::geometry::is_position;
+use crate::coordinate::is_position;
 use crate::placing::frame::{SiteFrame, UpAxis};
 use crate::site::Part;
 use heliotile_core::error::{Error, Result};

@@ -5,6 +5,7 @@
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 use crate::attributes::flat;
+use crate::coordinate::is_position;
 use crate::formats::citygml::closed::is_closed;
 use crate::formats::citygml::feature::{Feature, Instance, Piece, PiecePart};
 use crate::formats::citygml::levels::{Levels, Offer};
@@ -15,7 +16,6 @@ use crate::formats::cityjson::document::{CityObject, Document, Semantics, Shape,
 use crate::formats::cityjson::nested::Nested;
 use crate::formats::cityjson::objects::Reader;
 use crate::formats::cityjson::templates::{CORNER_BYTES, MAX_CORNERS};
-use crate::geometry::is_position;
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
 

@@ -10,9 +10,9 @@
 use glam::DVec3;
 use heliotile_core::text::Message;
 
+use crate::coordinate::is_position;
 use crate::formats::citygml::northing_first::is_northing_first;
 use crate::formats::citygml::srs_name::SrsName;
-use crate::geometry::is_position;
 use crate::placing::axis_order::{Degrees, STRETCH, Swap, stretch};
 use crate::placing::from_degrees::FromDegrees;
 use crate::text::excerpt;

@@ -290,7 +290,7 @@ impl Scan<'_> {
         let store = &mut self.draft.store;
         if around.is_template {
             let position = DVec3::from(numbers);
-            let known = crate::geometry::is_position(position);
+            let known = crate::coordinate::is_position(position);
             let far = || Unusable::Object(format!("a corner of a template lies at {position}"));
             return if known { Ok(store.push_vertex(position)) } else { Err(far()) };
         }

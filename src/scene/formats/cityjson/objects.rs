@@ -5,13 +5,14 @@ use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 
 use crate::attributes::{GONE, is_gone, text_of};
+use crate::coordinate::is_position;
 use crate::formats::cityjson::document::{CityObject, Document, Lod, Shape, Text};
 use crate::formats::cityjson::frame::Frame;
 use crate::formats::cityjson::surfaces::{
     INNER, VIRTUAL, WALL, by_tilt, depth_of, is_building, is_hull, kind_of, plain, semantic,
 };
 use crate::formats::cityjson::templates::{CORNER_BYTES, MAX_CORNERS, Template, matrix};
-use crate::geometry::{Geometry, is_position};
+use crate::geometry::Geometry;
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::scene_object::ObjectNote;

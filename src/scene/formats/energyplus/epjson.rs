@@ -8,9 +8,9 @@ use std::path::Path;
 
 use serde::de::{DeserializeSeed, Deserializer, Error as _, IgnoredAny, MapAccess, SeqAccess, Visitor};
 
+use crate::coordinate::MAX_COORDINATE_M;
 use crate::formats::energyplus::layout::Layout;
 use crate::formats::energyplus::model::{Model, Object, Value};
-use crate::geometry::MAX_COORDINATE_M;
 use crate::model_version::ModelVersion;
 use crate::text::without_byte_order_mark;
 use heliotile_core::error::{Error, Result};

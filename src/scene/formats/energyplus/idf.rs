@@ -7,9 +7,9 @@
 use std::ops::Range;
 use std::path::Path;
 
+use crate::coordinate::MAX_COORDINATE_M;
 use crate::formats::energyplus::layout::Layout;
 use crate::formats::energyplus::model::{Model, Object, Value};
-use crate::geometry::MAX_COORDINATE_M;
 use crate::model_version::ModelVersion;
 use crate::text::{excerpt, without_byte_order_mark};
 use heliotile_core::error::{Error, Result};

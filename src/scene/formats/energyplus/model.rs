@@ -6,11 +6,11 @@ use std::path::Path;
 
 use glam::DVec3;
 
+use crate::coordinate::MAX_COORDINATE_M;
 use crate::formats::building::frame::Frame;
 use crate::formats::building::notes::Notes;
 use crate::formats::building::optics;
 use crate::formats::energyplus::layout::Layout;
-use crate::geometry::MAX_COORDINATE_M;
 use crate::model_version::ModelVersion;
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};

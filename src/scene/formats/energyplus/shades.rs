@@ -3,6 +3,7 @@
 
 use std::path::Path;
 
+use crate::coordinate::is_position;
 use crate::formats::building::frame::Frame;
 use crate::formats::building::notes::Notes;
 use crate::formats::building::notes::{TOO_FAR, TOO_FEW};
@@ -12,7 +13,6 @@ use crate::formats::energyplus::model::{Model, Object};
 use crate::formats::energyplus::place::{Of, PlaceObject};
 use crate::formats::energyplus::surfaces::{NO_SIZE, Surfaces, Title, stated_vertices, write_face};
 use crate::geometry::Geometry;
-use crate::geometry::is_position;
 use glam::DVec3;
 use heliotile_core::error::Result;
 use heliotile_core::site::semantics::SurfaceKind;

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
+use crate::coordinate::is_position;
 use crate::formats::building::back_to_back::back_to_back;
 use crate::formats::building::frame::{Frame, area_vector};
 use crate::formats::building::holes;
@@ -18,7 +19,6 @@ use crate::formats::energyplus::model::{Model, Object, same};
 use crate::formats::energyplus::place::{Of, PlaceObject};
 use crate::formats::energyplus::turned::turn_outwards;
 use crate::geometry::Geometry;
-use crate::geometry::is_position;
 use heliotile_core::error::Result;
 use heliotile_core::site::scene_object::ObjectNote;
 use heliotile_core::site::semantics::{FaceNote, FaceSource, SurfaceKind};

@@ -13,12 +13,12 @@ use super::feature::{Feature, FeaturePolygon};
 use super::hstore;
 use super::system::{FeatureSystem, Placing};
 use crate::attributes::{flat, text_of};
+use crate::coordinate::{MAX_COORDINATE_M, is_position};
 use crate::footprint::{Footprint, StatedHeights};
 use crate::footprints::region::{is_crossed, oriented, repaired, united};
 use crate::footprints::stated::{Heights, NO_HEIGHT, Stated};
 use crate::formats::ReadOptions;
 use crate::geometry::Geometry;
-use crate::geometry::{MAX_COORDINATE_M, is_position};
 use heliotile_core::site::semantics::FaceNote;
 
 /// Difference of corner heights above which a polygon is not level, metres.

@@ -17,13 +17,13 @@ use std::path::Path;
 
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 
+use crate::coordinate::is_position;
 use crate::formats::ReadOptions;
 use crate::formats::gltf::buffers::{Buffers, Values};
 use crate::formats::gltf::instances::placements;
 use crate::formats::gltf::json::{Mesh, Node, Primitive, Root, may_hold_geometry, unreadable};
 use crate::formats::gltf::materials::Materials;
 use crate::geometry::Geometry;
-use crate::geometry::is_position;
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::text::Message;

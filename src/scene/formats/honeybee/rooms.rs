@@ -6,6 +6,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
+use crate::coordinate::is_position;
 use crate::formats::building::back_to_back::back_to_back;
 use crate::formats::building::frame::{Frame, area_vector};
 use crate::formats::building::holes::ROUNDED_M;
@@ -18,7 +19,6 @@ use crate::formats::honeybee::kind::{AdjacentSpace, Kind, Surface};
 use crate::formats::honeybee::materials::Materials;
 use crate::formats::honeybee::surface::{Rings, Writer};
 use crate::geometry::Geometry;
-use crate::geometry::is_position;
 use heliotile_core::error::{Error, Result};
 
 /// Reason for leaving out shades at the inner side of something.

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
+use crate::coordinate::is_position;
 use crate::formats::building::frame::{Frame, area_vector};
 use crate::formats::building::notes::Notes;
 use crate::formats::building::notes::{TOO_FAR, TOO_FEW};
@@ -11,7 +12,6 @@ use crate::formats::honeybee::document::Face3D;
 use crate::formats::honeybee::kind::Surface;
 use crate::formats::honeybee::materials::Materials;
 use crate::geometry::Geometry;
-use crate::geometry::is_position;
 use heliotile_core::error::Result;
 
 /// Rings of a surface in metres: outline and holes.
