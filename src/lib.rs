@@ -30,7 +30,7 @@
 //!
 //! ```text
 //! requests <- core <- files <- archives <- remote <- results <- studies <- atlas, energyplus
-//!              ^-- weather, comfort, place <---------'    scene <- builder <-'
+//!              ^-- weather, comfort, sunlight, place <'    scene <- builder <-'
 //!                                                          heliotile <- program, python
 //! ```
 //!
@@ -42,6 +42,7 @@
 //! | [`heliotile_core`] | what an archive is and how it is replayed |
 //! | [`heliotile_weather`] | weather files of all layouts: checked rows, series of conditions, doubts |
 //! | `heliotile_comfort` | thermal comfort of people: mean radiant temperature, UTCI, PET |
+//! | `heliotile_sunlight` | hours of direct sun, from the path of the sun through the sky that receivers see |
 //! | [`heliotile_files`] | files: unpacked on the way in, whole or absent on the way out, sorted beyond memory |
 //! | [`heliotile_archives`] | archives as files: written whole or resumed, cut, joined, compared |
 //! | `heliotile_place` | places on Earth: coordinate systems by number |
@@ -135,8 +136,8 @@ pub mod archive {
 pub mod atlas {
     pub use heliotile_atlas::about::built;
     pub use heliotile_atlas::catalogue::{CatalogueRequest, catalogue};
+    pub use heliotile_atlas::listed::{PARTS, archive_of, list};
     pub use heliotile_atlas::opened::check_square;
-    pub use heliotile_atlas::page::{PARTS, archive_of, list};
     pub use heliotile_atlas::part::{PartRequest, build_parts};
     pub use heliotile_atlas::partition::{PartitionRequest, partition};
     pub use heliotile_atlas::plan::{AtlasPlan, CutRequest, FILE};

@@ -7,7 +7,7 @@ use crate::opened::Atlas;
 use crate::plan::PlannedPart;
 use crate::state::PartState;
 use heliotile_core::error::{Error, Result};
-use heliotile_core::text::{Message, counted, message};
+use heliotile_core::text::{Message, counted, listed, message};
 
 /// Most missing parts that the summary names.
 const NAMED: usize = 8;
@@ -64,9 +64,8 @@ pub fn info(atlas: &Atlas) -> Result<Message> {
         line("", message!("{empty} without receivers"));
     }
     if let Some(first) = missing.first() {
-        let more = if missing.len() > NAMED { ", ..." } else { "" };
-        let named = missing.iter().take(NAMED).copied().collect::<Vec<_>>().join(", ");
-        line("to build", message!("{}: {named}{more} ({{command:build}} ATLAS {{part}} {first})", missing.len()));
+        let named = listed(missing.iter().take(NAMED), missing.len());
+        line("to build", message!("{}: {named} ({{command:build}} ATLAS {{part}} {first})", missing.len()));
     }
     if let Some(seams) = &plan.seams {
         line("seams", seams.words().into());

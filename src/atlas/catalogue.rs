@@ -9,8 +9,8 @@ use serde_json::{Map, Value, json};
 
 use crate::about::built;
 use crate::listed::ListedPart;
+use crate::listed::{PARTS, list};
 use crate::opened::Atlas;
-use crate::page::{PARTS, list};
 use crate::state::PartState;
 use crate::thumbnails::Thumbnails;
 use heliotile_archives::complete;
@@ -19,7 +19,7 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::observer::Observer;
 use heliotile_core::text::{counted, message};
 use heliotile_remote::places::open_archive;
-use heliotile_requests::Request;
+use heliotile_requests::{DefaultRequest, Request};
 use heliotile_results::crs_of;
 use heliotile_results::outputs::provenance::Provenance;
 use heliotile_results::outputs::sink::{write_file, write_texts};
@@ -32,19 +32,13 @@ use heliotile_results::outputs::viewer_page::ViewerPage;
 pub const ITEM: &str = "item.json";
 
 /// Facts that a catalogue states beyond the contents of the atlas.
-#[derive(Clone, Debug, Request)]
+#[derive(Clone, Debug, Request, DefaultRequest)]
 pub struct CatalogueRequest {
     /// Title of the catalogue [default: the folder's name].
     pub title: Option<String>,
     /// Licence of the data of the atlas, an SPDX name such as CC-BY-4.0.
     #[field(metavar = "NAME", default = "other")]
     pub license: String,
-}
-
-impl Default for CatalogueRequest {
-    fn default() -> Self {
-        CatalogueRequest { title: None, license: "other".to_owned() }
-    }
 }
 
 /// Writes the catalogue of the atlas at a path. `about` is the provenance that pictures state.

@@ -8,8 +8,8 @@ use std::fs;
 use std::path::Path;
 
 use crate::catalogue::ITEM;
+use crate::listed::PARTS;
 use crate::opened::Atlas;
-use crate::page::PARTS;
 use crate::plan::FILE;
 use crate::state::PartState;
 use heliotile_core::error::{Error, Result};

@@ -29,7 +29,6 @@ pub mod copied;
 mod export;
 pub mod listed;
 pub mod opened;
-pub mod page;
 pub mod part;
 pub mod partition;
 pub mod plan;

@@ -14,14 +14,14 @@ use heliotile_core::error::{Error, Result, check_ranges};
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::observer::Observer;
 use heliotile_files::spill::parse_memory;
-use heliotile_requests::Request;
+use heliotile_requests::{DefaultRequest, Request};
 use heliotile_results::outputs::sink::write_texts;
 
 /// Halo width below which a warning says that neighbours that matter are left out, metres.
 const NARROW_M: f64 = 50.0;
 
 /// A region to be cut.
-#[derive(Clone, Debug, Request)]
+#[derive(Clone, Debug, Request, DefaultRequest)]
 pub struct PartitionRequest {
     /// Parts, halo and settings of the cut.
     #[field(flatten)]
@@ -39,13 +39,6 @@ pub struct PartitionRequest {
     /// Memory to work in, such as 512MiB or 2GiB.
     #[field(default = "4GiB", parse = parse_memory, neutral)]
     pub memory: MemoryBudget,
-}
-
-impl Default for PartitionRequest {
-    fn default() -> Self {
-        let memory = MemoryBudget::DEFAULT;
-        PartitionRequest { cut: CutRequest::default(), atlas: PathBuf::new(), replace: false, sample: 256, memory }
-    }
 }
 
 /// Cuts a region into parts and writes its plan.

@@ -19,7 +19,7 @@ use heliotile_core::units::parse_metres;
 use heliotile_files::input;
 use heliotile_remote::Directory;
 use heliotile_remote::naming::shown;
-use heliotile_requests::Request;
+use heliotile_requests::{DefaultRequest, Request};
 use heliotile_scene::region_part::RegionPart;
 use heliotile_scene::request::SceneRequest;
 use heliotile_scene::site::SceneFiles;
@@ -78,7 +78,7 @@ pub struct PlannedPart {
 }
 
 /// Settings of a cut, common to all parts.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Request)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Request, DefaultRequest)]
 #[serde(deny_unknown_fields)]
 pub struct CutRequest {
     /// Side of a square part; its corners lie at multiples of this length in the scene's
@@ -104,20 +104,6 @@ pub struct CutRequest {
     /// Leave the scene's triangles out of the archives, if they may not be passed on.
     #[field(python = "with_scene")]
     pub no_scene: bool,
-}
-
-impl Default for CutRequest {
-    fn default() -> Self {
-        CutRequest {
-            part_size_m: 500.0,
-            halo_m: 300.0,
-            skyline_deg: 5.0,
-            scene: SceneRequest::default(),
-            cover: CoverRequest::default(),
-            accuracy: AccuracyRequest::default(),
-            no_scene: false,
-        }
-    }
 }
 
 /// Most parts of an atlas: a country in parts of 100 m.

@@ -11,10 +11,10 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::text::counted;
 use heliotile_remote::naming::shown;
 use heliotile_remote::places::{open_archive, verify_archive};
-use heliotile_requests::Request;
+use heliotile_requests::{DefaultRequest, Request};
 
 /// Request for a check.
-#[derive(Clone, Debug, Request)]
+#[derive(Clone, Debug, Request, DefaultRequest)]
 pub struct VerifyRequest {
     /// Archive to check, or the folder of an atlas: a path or an address.
     #[field(name = "archive", positional, required, input = Archive)]
@@ -24,12 +24,6 @@ pub struct VerifyRequest {
     /// Way to read the archive.
     #[field(name = "io", default = "pread", neutral)]
     pub access: Access,
-}
-
-impl Default for VerifyRequest {
-    fn default() -> Self {
-        VerifyRequest { place: PathBuf::new(), deep: false, access: Access::Read }
-    }
 }
 
 /// Result of the check of one archive.

@@ -23,7 +23,7 @@ use heliotile_results::outputs::tables::format::table_help;
 use heliotile_scene::request::SceneRequest;
 use heliotile_studies::{AuditRequest, RepairRequest};
 
-use super::SelectionRequest;
+use super::{InMemory, SelectionRequest};
 
 /// Request of `audit`.
 #[derive(Clone, Debug, Default, Request)]
@@ -40,15 +40,7 @@ pub struct Audit {
 }
 
 /// Request of `repair`.
-#[derive(Clone, Debug, Default, Request)]
-pub struct Repair {
-    /// Archive and scene.
-    #[field(flatten)]
-    pub request: RepairRequest,
-    /// Memory to work in, such as 512MiB or 2GiB.
-    #[field(default = "4GiB", parse = parse_memory, neutral)]
-    pub memory: MemoryBudget,
-}
+pub type Repair = InMemory<RepairRequest>;
 
 /// Request of `catalogue`.
 #[derive(Clone, Debug, Default, Request)]

@@ -9,7 +9,7 @@ use heliotile_core::replay::components::{Component, ComponentList};
 use heliotile_core::text::Message;
 use heliotile_core::weather::conditions::Condition;
 use heliotile_files::spill::parse_memory;
-use heliotile_requests::Request;
+use heliotile_requests::{DefaultRequest, Request};
 use heliotile_results::outputs::tables::format::table_help;
 use heliotile_results::{
     BuildingsRequest, ComfortRequest, CompareRequest, ConditionSource, Every, FactorsRequest, LightRequest,
@@ -108,7 +108,7 @@ impl Replay {
 }
 
 /// Request of `compare`.
-#[derive(Clone, Debug, Request)]
+#[derive(Clone, Debug, Request, DefaultRequest)]
 pub struct Compare {
     /// Site before the change.
     #[field(flatten)]
@@ -154,7 +154,7 @@ pub struct Sunlight {
 }
 
 /// Request of `glare`.
-#[derive(Clone, Debug, Request)]
+#[derive(Clone, Debug, Request, DefaultRequest)]
 pub struct Glare {
     /// Archive that is asked.
     #[field(flatten)]
@@ -274,21 +274,6 @@ fn unmatched_help() -> Message {
     table_help("Table to write of the receivers that only one of the archives holds")
 }
 
-impl Default for Compare {
-    fn default() -> Self {
-        Compare {
-            site: SiteRequest::default(),
-            after: Vec::new(),
-            files: OutputRequest::default(),
-            receivers: SelectionRequest::default(),
-            under: UnderRequest::default(),
-            request: ReplayRequest { every: Every::Total, ..ReplayRequest::default() },
-            summary: None,
-            unmatched: None,
-        }
-    }
-}
-
 impl Compare {
     /// Returns the request of the library.
     ///
@@ -298,22 +283,6 @@ impl Compare {
         let under = self.under.illumination(&self.request)?;
         let (after, summary, unmatched) = (self.after.clone(), self.summary.clone(), self.unmatched.clone());
         Ok(CompareRequest { after, under, summary, unmatched })
-    }
-}
-
-impl Default for Glare {
-    fn default() -> Self {
-        let dates = SunlightRequest::default().dates;
-        let year = "year".parse().into_iter().collect();
-        let dates = if dates.is_empty() { year } else { dates };
-        Glare {
-            site: SiteRequest::default(),
-            files: OutputRequest::default(),
-            receivers: SelectionRequest::default(),
-            request: SunlightRequest { dates, ..SunlightRequest::default() },
-            every: None,
-            glare: GlareChoice::default(),
-        }
     }
 }
 

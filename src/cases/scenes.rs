@@ -24,49 +24,28 @@ use heliotile_studies::covering::{CoverRequest, Density, cover_site, summary, wr
 use heliotile_studies::pv::PvRequest;
 use heliotile_studies::{RunRequest, TradeoffRequest, UpdateRequest};
 
-/// Request of `run`.
+/// Request of the library, and the memory that it works in.
 #[derive(Clone, Debug, Default, Request)]
-pub struct Run {
-    /// Scene, accuracy and results.
+pub struct InMemory<R: Request> {
+    /// Request of the library.
     #[field(flatten)]
-    pub request: RunRequest,
+    pub request: R,
     /// Memory to work in, such as 512MiB or 2GiB.
     #[field(default = "4GiB", parse = parse_memory, neutral)]
     pub memory: MemoryBudget,
 }
+
+/// Request of `run`.
+pub type Run = InMemory<RunRequest>;
 
 /// Request of `energyplus`.
-#[derive(Clone, Debug, Default, Request)]
-pub struct Energyplus {
-    /// Scene, accuracy and results.
-    #[field(flatten)]
-    pub request: EnergyplusRequest,
-    /// Memory to work in, such as 512MiB or 2GiB.
-    #[field(default = "4GiB", parse = parse_memory, neutral)]
-    pub memory: MemoryBudget,
-}
+pub type Energyplus = InMemory<EnergyplusRequest>;
 
 /// Request of `pv`.
-#[derive(Clone, Debug, Default, Request)]
-pub struct Pv {
-    /// Scene, accuracy and results.
-    #[field(flatten)]
-    pub request: PvRequest,
-    /// Memory to work in, such as 512MiB or 2GiB.
-    #[field(default = "4GiB", parse = parse_memory, neutral)]
-    pub memory: MemoryBudget,
-}
+pub type Pv = InMemory<PvRequest>;
 
 /// Request of `tradeoff`.
-#[derive(Clone, Debug, Default, Request)]
-pub struct Tradeoff {
-    /// Scene, receivers and sample.
-    #[field(flatten)]
-    pub request: TradeoffRequest,
-    /// Memory to work in, such as 512MiB or 2GiB.
-    #[field(default = "4GiB", parse = parse_memory, neutral)]
-    pub memory: MemoryBudget,
-}
+pub type Tradeoff = InMemory<TradeoffRequest>;
 
 /// Request of `update`.
 #[derive(Clone, Debug, Default, Request)]
@@ -323,15 +302,7 @@ impl Receivers {
 /// Height of the eyes of drivers above the road, metres.
 const EYES_M: f64 = 1.2;
 
-/// Seconds between checkpoints.
-const CHECKPOINT_S: u32 = 30;
-
 impl Build {
-    /// Returns the seconds between checkpoints.
-    pub fn checkpoint_s(&self) -> u32 {
-        self.checkpoint.unwrap_or(CHECKPOINT_S)
-    }
-
     /// An atlas is recognised when it is read.
     fn skipped(&self) -> Vec<&'static str> {
         if self.part.is_some() { vec!["scene", "from"] } else { Vec::new() }

@@ -19,6 +19,9 @@ use heliotile_studies::site_build::check_output;
 
 use super::Build;
 
+/// Seconds between checkpoints, if none are given.
+const CHECKPOINT_S: u32 = 30;
+
 /// Forecast of a build.
 pub struct Planned {
     /// Forecast, and the light that each light path adds.
@@ -90,7 +93,7 @@ impl Build {
         let output = Output {
             path: output.to_owned(),
             start: if self.fresh { Start::Fresh } else { Start::Resume },
-            checkpoint_every: Duration::from_secs(u64::from(self.checkpoint_s())),
+            checkpoint_every: Duration::from_secs(u64::from(self.checkpoint.unwrap_or(CHECKPOINT_S))),
         };
         let accuracy = self.accuracy.beside(self.weather.as_deref(), &self.about_weather);
         let build = SiteBuild {

@@ -179,14 +179,10 @@ impl SixPlanes<f64> {
         SixPlanes { up: self.up - part.up, down: self.down - part.down, sides }
     }
 
-    fn mean_of_sides(&self) -> f64 {
-        0.25 * self.sides.iter().sum::<f64>()
-    }
-
     /// Returns the irradiance of the obstructions that each plane sees.
     fn on_obstructions(&self) -> SixPlanes<f64> {
         let [north, east, south, west] = self.sides;
-        let mean = self.mean_of_sides();
+        let mean = 0.25 * self.sides.iter().sum::<f64>();
         SixPlanes { up: mean, down: mean, sides: [south, west, north, east] }
     }
 }

@@ -7,7 +7,7 @@
 //!
 //! ```text
 //! error units text named memory hemisphere | observer | dome | orientation | site | layers | archive
-//!   | opened weather | sky | light | replay | sunlight
+//!   | opened weather | sky | light | replay
 //! ```
 //!
 //! | module | in | out |
@@ -22,7 +22,6 @@
 //! | [`sky`] | a condition, a model | radiances of the sky's patches and texels |
 //! | [`light`] | layers and tables of an open site, reflectances | responses: light that arrives by way of surfaces, one vector a sky texel |
 //! | [`replay`] | an open site, conditions | irradiance of each receiver by component |
-//! | [`sunlight`] | a site, dates, sky bits | when receivers see the sun, with a bound |
 //!
 //! # What never happens
 //!
@@ -76,7 +75,6 @@ pub mod orientation;
 pub mod replay;
 pub mod site;
 pub mod sky;
-pub mod sunlight;
 pub mod text;
 pub mod units;
 pub mod weather;

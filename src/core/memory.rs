@@ -83,10 +83,6 @@ impl Default for MemoryBudget {
 }
 
 impl heliotile_requests::Parse for MemoryBudget {
-    fn form() -> heliotile_requests::Form {
-        heliotile_requests::Form::TEXT
-    }
-
     fn parse(text: &str) -> Result<Self, heliotile_requests::Wrong> {
         Ok(MemoryBudget::from(text.parse::<Bytes>()?))
     }

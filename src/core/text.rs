@@ -14,6 +14,37 @@ pub fn excerpt(text: &str, most: usize) -> String {
     if text.chars().nth(most).is_some() { shown + "..." } else { shown }
 }
 
+/// Returns names with commas between them, followed by `...` if they are fewer than `count`.
+pub fn listed(names: impl IntoIterator<Item: AsRef<str>>, count: usize) -> String {
+    let names: Vec<_> = names.into_iter().collect();
+    let texts: Vec<&str> = names.iter().map(AsRef::as_ref).collect();
+    texts.join(", ") + if count > texts.len() { ", ..." } else { "" }
+}
+
+/// Number of items, the first `MOST` of them by name.
+#[derive(Clone, Debug, Default)]
+pub struct FirstNames<const MOST: usize> {
+    /// Number of items.
+    pub count: u64,
+    /// Names of the first few.
+    pub first: Vec<String>,
+}
+
+impl<const MOST: usize> FirstNames<MOST> {
+    /// Counts an item.
+    pub fn add(&mut self, name: impl FnOnce() -> String) {
+        self.count += 1;
+        if self.first.len() < MOST {
+            self.first.push(name());
+        }
+    }
+
+    /// Returns the first names, followed by `...` if there are more items.
+    pub fn listed(&self) -> String {
+        listed(&self.first, self.count as usize)
+    }
+}
+
 /// Returns true if a place is an address, such as `s3://bucket/site.helio`, and not a path.
 pub fn is_address(place: &str) -> bool {
     place.split_once("://").is_some_and(|(scheme, _)| {

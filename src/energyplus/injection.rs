@@ -20,7 +20,7 @@ const DECIMALS: usize = 3;
 
 /// Surfaces in one program; below, programs that one calling manager runs. EnergyPlus reads 500
 /// lines and 25 programs.
-pub const PROGRAM_SURFACES: usize = 60;
+const PROGRAM_SURFACES: usize = 60;
 const MANAGER_PROGRAMS: usize = 20;
 
 /// Reflectance that a month without ground reflectance is set to: the actuator multiplies the
@@ -149,14 +149,7 @@ fn write_suns(document: &mut Document, grid: SunGrid, names: &Names, list: &str)
 /// Writes the sensors of the site, and the variables that programs share.
 fn write_site(document: &mut Document, names: &Names) {
     for (name, output) in SENSORS {
-        document.add(NewObject::new(
-            "EnergyManagementSystem:Sensor",
-            names.of(name),
-            &[
-                ("output_variable_or_output_meter_index_key_name", "Environment"),
-                ("output_variable_or_output_meter_name", output),
-            ],
-        ));
+        document.add(NewObject::sensor(names.of(name), "Environment", output));
     }
     let shared = SHARED.map(|name| FieldValue::Text(names.of(name)));
     let mut list = NewObject::new("EnergyManagementSystem:GlobalVariable", names.of("Shared"), &[]).nameless();
@@ -168,15 +161,8 @@ fn write_site(document: &mut Document, names: &Names) {
 fn write_programs(document: &mut Document, injection: &Injection, names: &Names, has: &[[bool; 3]], bare: &[usize]) {
     let mut programs = vec![(names.of("Prepare"), sun_program(names, injection.sky, bare))];
     for (i, (surface, number)) in injection.targets.iter().enumerate() {
-        document.add(NewObject::new(
-            "EnergyManagementSystem:Actuator",
-            names.of(&format!("A{}", i + 1)),
-            &[
-                ("actuated_component_unique_name", surface),
-                ("actuated_component_type", "Surface"),
-                ("actuated_component_control_type", "View Factor To Ground"),
-            ],
-        ));
+        let name = names.of(&format!("A{}", i + 1));
+        document.add(NewObject::actuator(name, surface, "Surface", "View Factor To Ground"));
         let light = number.and_then(|number| injection.lights.get(number));
         let sky = |line: &GroundLine| [&line.fixed, &line.by_ground].map(|v| v.first().copied().unwrap_or_default());
         let terms = SurfaceTerms {
@@ -186,14 +172,24 @@ fn write_programs(document: &mut Document, injection: &Injection, names: &Names,
             sky: light.map_or([0.0; 2], |light| sky(&light.sky)).map(|value| value / NOMINAL_W_M2),
             horizon: light.map_or([0.0; 2], |light| sky(&light.horizon)).map(|value| value / NOMINAL_W_M2),
         };
-        if i % PROGRAM_SURFACES == 0 {
-            programs.push((names.of(&format!("Surfaces{}", i / PROGRAM_SURFACES + 1)), Vec::new()));
-        }
-        if let Some((_, lines)) = programs.last_mut() {
-            lines.extend(surface_lines(names, &terms));
-        }
+        extend_programs(&mut programs, names, i, surface_lines(names, &terms));
     }
     add_programs(document, names, programs);
+}
+
+/// Adds the lines of a surface to the last program, or to a new one if that is full.
+pub fn extend_programs(
+    programs: &mut Vec<(String, Vec<String>)>,
+    names: &Names,
+    surface: usize,
+    lines: impl IntoIterator<Item = String>,
+) {
+    if surface.is_multiple_of(PROGRAM_SURFACES) {
+        programs.push((names.of(&format!("Surfaces{}", surface / PROGRAM_SURFACES + 1)), Vec::new()));
+    }
+    if let Some((_, all)) = programs.last_mut() {
+        all.extend(lines);
+    }
 }
 
 /// Adds programs, and the managers that call them in each time step.

@@ -41,6 +41,23 @@ impl NewObject {
         NewObject { class, name: name.into(), fields, list: None, is_named: true }
     }
 
+    /// Returns a sensor of an output of EnergyPlus.
+    pub fn sensor(name: String, key: &str, output: &str) -> NewObject {
+        let fields =
+            [("output_variable_or_output_meter_index_key_name", key), ("output_variable_or_output_meter_name", output)];
+        NewObject::new("EnergyManagementSystem:Sensor", name, &fields)
+    }
+
+    /// Returns an actuator of a component.
+    pub fn actuator(name: String, component: &str, sort: &str, control: &str) -> NewObject {
+        let fields = [
+            ("actuated_component_unique_name", component),
+            ("actuated_component_type", sort),
+            ("actuated_component_control_type", control),
+        ];
+        NewObject::new("EnergyManagementSystem:Actuator", name, &fields)
+    }
+
     /// Returns the object with a list at its end.
     pub fn with_list(mut self, list: &'static str, item: &'static [&'static str], items: Vec<FieldValue>) -> NewObject {
         self.list = Some((list, item, items));

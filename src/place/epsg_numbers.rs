@@ -2,51 +2,30 @@
 //! number. Out: the kind of the system, its horizontal part, or the unit of its heights. All lists
 //! come from version 11.022 of the register (2024), read with pyproj 3.7.2 (`query_crs_info`).
 
-/// Compound systems with their horizontal parts.
-const COMPOUND: [(u32, u32); 43] = [
-    (5554, 25831),
-    (5555, 25832),
-    (5556, 25833),
-    (5698, 2154),
-    (5845, 3006),
-    (5971, 25831),
-    (5972, 25832),
-    (5973, 25833),
-    (6190, 31370),
-    (7405, 27700),
-    (7415, 28992),
-    (9715, 3159),
-    (9897, 2169),
-    (9920, 27700),
-    (9922, 2157),
-    (9928, 5682),
-    (9929, 5683),
-    (9930, 5684),
-    (9931, 5685),
-    (9932, 5682),
-    (9933, 5683),
-    (9934, 5684),
-    (9935, 5685),
-    (9951, 3057),
-    (9952, 5325),
-    (9953, 8088),
-    (10162, 6669),
-    (10163, 6670),
-    (10164, 6671),
-    (10165, 6672),
-    (10166, 6673),
-    (10167, 6674),
-    (10168, 6675),
-    (10169, 6676),
-    (10170, 6677),
-    (10171, 6678),
-    (10172, 6679),
-    (10173, 6680),
-    (10174, 6681),
-    (10246, 3794),
-    (10633, 5490),
-    (10660, 23700),
-    (10687, 3794),
+/// Ranges (first and last number) of compound systems, and the horizontal part of the first; the
+/// others have the numbers that follow.
+const COMPOUND: [(u32, u32, u32); 21] = [
+    (5554, 5556, 25831),
+    (5698, 5698, 2154),
+    (5845, 5845, 3006),
+    (5971, 5973, 25831),
+    (6190, 6190, 31370),
+    (7405, 7405, 27700),
+    (7415, 7415, 28992),
+    (9715, 9715, 3159),
+    (9897, 9897, 2169),
+    (9920, 9920, 27700),
+    (9922, 9922, 2157),
+    (9928, 9931, 5682),
+    (9932, 9935, 5682),
+    (9951, 9951, 3057),
+    (9952, 9952, 5325),
+    (9953, 9953, 8088),
+    (10162, 10174, 6669),
+    (10246, 10246, 3794),
+    (10633, 10633, 5490),
+    (10660, 10660, 23700),
+    (10687, 10687, 3794),
 ];
 
 /// Ranges (first and last number) of geographic systems, and of compound ones with a geographic
@@ -215,7 +194,8 @@ pub enum Axes {
 /// Returns the horizontal part of a compound system, or `epsg` itself if the system is not
 /// compound.
 pub fn horizontal_part(epsg: u32) -> u32 {
-    COMPOUND.iter().find(|(compound, _)| *compound == epsg).map_or(epsg, |(_, part)| *part)
+    let found = COMPOUND.iter().find(|(first, last, _)| (*first..=*last).contains(&epsg));
+    found.map_or(epsg, |(first, _, part)| part + epsg - first)
 }
 
 /// Returns the kind of a system's coordinates; `None` for numbers that are not known here.

@@ -32,11 +32,6 @@ const HALF_AXIS_M: f64 = 6_378_137.0;
 /// against the micrometre that inverse projections are good to.
 const LINE_M: f64 = 100.0;
 
-/// Returns the EPSG number of the horizontal part of a system.
-pub fn horizontal(epsg: u32) -> u32 {
-    horizontal_part(epsg)
-}
-
 /// Reason why a system does not give the place of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unplaced {
@@ -66,7 +61,7 @@ impl PlaneSystem {
     /// horizontal part.
     pub fn by_epsg(epsg: u32) -> Result<PlaneSystem, Unplaced> {
         let known = || {
-            let definition = crs_definitions::from_code(u16::try_from(horizontal(epsg)).ok()?)?;
+            let definition = crs_definitions::from_code(u16::try_from(horizontal_part(epsg)).ok()?)?;
             let from = Proj::from_proj_string(definition.proj4).ok()?;
             let to = Proj::from_proj_string("+proj=longlat +datum=WGS84 +no_defs").ok()?;
             Some(PlaneSystem { from, to })
@@ -74,7 +69,7 @@ impl PlaneSystem {
         match axes_of(epsg) {
             Some(Axes::Degrees) => Err(Unplaced::Degrees),
             Some(Axes::Geocentric) => Err(Unplaced::Geocentric),
-            Some(Axes::Plane) if MISPLACED.contains(&horizontal(epsg)) => Err(Unplaced::Unknown),
+            Some(Axes::Plane) if MISPLACED.contains(&horizontal_part(epsg)) => Err(Unplaced::Unknown),
             Some(Axes::Plane) => known().ok_or(Unplaced::Unknown),
             None => Err(Unplaced::Unknown),
         }
@@ -153,7 +148,7 @@ impl Reference {
             }
             Reference::Epsg(epsg) => {
                 let (place, length) = PlaneSystem::by_epsg(epsg)?.place(x, y).ok_or(Unplaced::Outside)?;
-                Ok((Place { epsg: Some(horizontal(epsg)), ..place }, length))
+                Ok((Place { epsg: Some(horizontal_part(epsg)), ..place }, length))
             }
         }
     }
@@ -171,7 +166,7 @@ impl Reference {
     /// horizontal parts.
     pub fn is_same(&self, other: &Reference) -> bool {
         match (self, other) {
-            (Reference::Epsg(a), Reference::Epsg(b)) => horizontal(*a) == horizontal(*b),
+            (Reference::Epsg(a), Reference::Epsg(b)) => horizontal_part(*a) == horizontal_part(*b),
             (a, b) => a == b,
         }
     }

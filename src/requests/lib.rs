@@ -17,7 +17,7 @@ extern crate self as heliotile_requests;
 use std::num::ParseIntError;
 use std::path::{Path, PathBuf};
 
-pub use heliotile_requests_derive::{Request, message};
+pub use heliotile_requests_derive::{DefaultRequest, Request, message};
 pub use message::{Message, Named, Piece, Words};
 pub use problem::{Problem, Refused, Wrong, complete};
 
@@ -226,8 +226,10 @@ impl Form {
 
 /// A type whose values are read from texts.
 pub trait Parse: Sized {
-    /// Returns how values look.
-    fn form() -> Form;
+    /// Returns how values look: as texts, unless a type says otherwise.
+    fn form() -> Form {
+        Form::TEXT
+    }
 
     /// Reads a value. An error says what is wrong and what to give.
     fn parse(text: &str) -> Result<Self, Wrong>;
@@ -239,10 +241,6 @@ pub trait Parse: Sized {
 }
 
 impl Parse for String {
-    fn form() -> Form {
-        Form::TEXT
-    }
-
     fn parse(text: &str) -> Result<Self, Wrong> {
         Ok(text.to_owned())
     }
@@ -299,10 +297,6 @@ whole_numbers!(u16, u32, u64, usize, i32);
 
 /// Numbers, separated by commas.
 impl<const N: usize> Parse for [f64; N] {
-    fn form() -> Form {
-        Form::TEXT
-    }
-
     fn parse(text: &str) -> Result<Self, Wrong> {
         let numbers: Vec<f64> = text.split(',').map(|part| f64::parse(part.trim())).collect::<Result<_, _>>()?;
         numbers.try_into().map_err(|_| unreadable(text, format!("give {N} numbers, separated by commas")))
@@ -347,10 +341,6 @@ impl<R: Request> Request for Box<R> {
 
 /// A name and its value, `NAME=VALUE`.
 impl<T: Parse> Parse for (String, T) {
-    fn form() -> Form {
-        Form::TEXT
-    }
-
     fn parse(text: &str) -> Result<Self, Wrong> {
         let (name, value) = text.split_once('=').filter(|(name, _)| !name.is_empty()).ok_or("give NAME=VALUE")?;
         Ok((name.to_owned(), T::parse(value)?))
@@ -361,10 +351,11 @@ impl<T: Parse> Parse for (String, T) {
     }
 }
 
-/// Implements [`Parse`] for types that implement `FromStr` with an error that becomes [`Wrong`].
+/// Implements [`Parse`] for types that implement `FromStr` with an error that becomes [`Wrong`]; a
+/// function behind `=>` returns the file that a value names.
 #[macro_export]
 macro_rules! parse_by_text {
-    ($($type:ty: $form:expr),+ $(,)?) => {$(
+    ($($type:ty: $form:expr $(=> $file:path)?),+ $(,)?) => {$(
         impl $crate::Parse for $type {
             fn form() -> $crate::Form {
                 $form
@@ -373,6 +364,10 @@ macro_rules! parse_by_text {
             fn parse(text: &str) -> ::std::result::Result<Self, $crate::Wrong> {
                 text.parse().map_err(::std::convert::Into::into)
             }
+
+            $(fn path(&self) -> ::std::option::Option<&::std::path::Path> {
+                $file(self)
+            })?
         }
     )+};
 }

@@ -13,6 +13,7 @@ use heliotile_core::replay::bands::{OwnBand, columns_of};
 use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::site::bands::{Band, SourceScale};
 use heliotile_core::site::material::Material;
+use heliotile_core::text::listed;
 use heliotile_files::input;
 use heliotile_files::text::line_of_offset;
 
@@ -144,11 +145,10 @@ impl BandList {
         let of_band = |band: &Band| {
             let misfit = |material: &Material| Some(format!("`{}`: {}", material.name, material.misfit(*band)?));
             let found: Vec<String> = stated.clone().filter_map(misfit).collect();
-            let more = if found.len() > NAMED { ", ..." } else { "" };
-            let names = found.iter().take(NAMED).map(String::as_str).collect::<Vec<_>>().join(", ");
+            let names = listed(found.iter().take(NAMED), found.len());
             (!found.is_empty()).then(|| format!(
                 "values of materials in {} that follow from their other values are not from 0 to 1; the nearest possible value is used: \
-                 {names}{more}",
+                 {names}",
                 band.name()
             ))
         };
@@ -221,10 +221,6 @@ fn own_bands(path: &Path, text: &str) -> Result<Vec<OwnBand>> {
 }
 
 impl heliotile_requests::Parse for BandList {
-    fn form() -> heliotile_requests::Form {
-        heliotile_requests::Form::TEXT
-    }
-
     /// Reads the names, and the files of custom bands.
     fn parse(text: &str) -> std::result::Result<Self, heliotile_requests::Wrong> {
         text.parse::<BandChoice>()?.read(&input::read).map_err(|error| error.to_string().into())

@@ -16,14 +16,14 @@ use heliotile_core::units::parse_amount;
 use heliotile_files::writing::claim::same_place;
 use heliotile_files::writing::guards::guard_output;
 use heliotile_remote::naming::shown;
-use heliotile_requests::Request;
+use heliotile_requests::{DefaultRequest, Request};
 
 /// Hours that are more than a year's. The reader of the weather warns of fewer hours than a year
 /// has.
 const MORE_THAN_A_YEAR_H: f64 = 8800.0;
 
 /// Request for a solar cadastre.
-#[derive(Clone, Debug, Request)]
+#[derive(Clone, Debug, Request, DefaultRequest)]
 pub struct BuildingsRequest {
     /// Table of buildings; `-`: standard output.
     #[field(short = 'o', default = "-", help = output_help, output = Table)]
@@ -32,10 +32,10 @@ pub struct BuildingsRequest {
     #[field(metavar = "FILE", output = Table)]
     pub faces: Option<PathBuf>,
     /// Least irradiation of a usable place on a roof, kWh/m2 over the weather file.
-    #[field(name = "threshold", metavar = "KWH_M2", default = BuildingsRequest::default().threshold_kwh_m2, hyphen, parse = parse_amount)]
+    #[field(name = "threshold", metavar = "KWH_M2", default = 900.0, hyphen, parse = parse_amount)]
     pub threshold_kwh_m2: f64,
     /// Least area of a usable region, m2: usable places that touch one another.
-    #[field(name = "min_area", metavar = "M2", default = BuildingsRequest::default().least_m2, hyphen, parse = parse_amount)]
+    #[field(name = "min_area", metavar = "M2", default = 10.0, hyphen, parse = parse_amount)]
     pub least_m2: f64,
 }
 
@@ -46,12 +46,6 @@ pub struct BuildingsSummary {
     pub buildings: u64,
     /// Number of roof faces.
     pub faces: u64,
-}
-
-impl Default for BuildingsRequest {
-    fn default() -> Self {
-        BuildingsRequest { output: "-".into(), faces: None, threshold_kwh_m2: 900.0, least_m2: 10.0 }
-    }
 }
 
 impl BuildingsRequest {

@@ -18,10 +18,10 @@ use heliotile_core::replay::factors::{PARTS, SunGrid};
 use heliotile_core::replay::run::ReplaySettings;
 use heliotile_core::replay::values::TileValues;
 use heliotile_core::text::Message;
-use heliotile_requests::Request;
+use heliotile_requests::{DefaultRequest, Request};
 
 /// Request for a table of the light that surroundings reflect on receivers, by position of the sun.
-#[derive(Clone, Debug, Request)]
+#[derive(Clone, Debug, Request, DefaultRequest)]
 pub struct FactorsRequest {
     /// Table, in a format by the ending of its name; `-`: CSV on standard output.
     #[field(short = 'o', default = "-", help = output_help, output = Table)]
@@ -35,12 +35,6 @@ pub struct FactorsRequest {
     /// Step of the sun's altitude, degrees, from 0.5 to 90: a divisor of 90.
     #[field(metavar = "DEGREES", default = 5.0)]
     pub altitude_step_deg: f64,
-}
-
-impl Default for FactorsRequest {
-    fn default() -> Self {
-        FactorsRequest { output: "-".into(), by: By::Receiver, azimuth_step_deg: 10.0, altitude_step_deg: 5.0 }
-    }
 }
 
 impl FactorsRequest {

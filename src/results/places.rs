@@ -20,7 +20,7 @@ use heliotile_core::site::north::North;
 use heliotile_core::text::{Message, counted, message};
 use heliotile_core::units::parse_amount;
 use heliotile_core::units::tilt_and_azimuth;
-use heliotile_requests::Request;
+use heliotile_requests::{DefaultRequest, Request};
 
 /// Returns the columns of the table.
 fn columns() -> Vec<Column> {
@@ -31,9 +31,10 @@ fn columns() -> Vec<Column> {
 }
 
 /// Surfaces that modules go on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PlaceOn {
     /// Surfaces that face up.
+    #[default]
     Roofs,
     /// Surfaces that face sideways.
     Facades,
@@ -42,7 +43,7 @@ pub enum PlaceOn {
 }
 
 /// Request for the best places of modules.
-#[derive(Clone, Debug, Request)]
+#[derive(Clone, Debug, Request, DefaultRequest)]
 pub struct PlacesRequest {
     /// Table of places; `-`: standard output.
     #[field(short = 'o', default = "-", help = output_help, output = Table)]
@@ -68,12 +69,6 @@ pub struct PlacesSummary {
     pub places: u64,
     /// Number of receivers that the places were chosen from.
     pub receivers: u64,
-}
-
-impl Default for PlacesRequest {
-    fn default() -> Self {
-        PlacesRequest { output: "-".into(), best: 10, module_m: [1.1, 1.8], on: PlaceOn::Roofs, clearance_m: 0.1 }
-    }
 }
 
 impl PlacesRequest {

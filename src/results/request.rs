@@ -19,7 +19,7 @@ use heliotile_core::replay::reflectances::{Changes, Snow, followed_files};
 use heliotile_core::weather::conditions::Condition;
 use heliotile_core::weather::options::{StampedAt, WeatherOptions};
 use heliotile_core::weather::span::{Moment, Span};
-use heliotile_requests::{Form, Parse, Request};
+use heliotile_requests::{DefaultRequest, Form, Parse, Request};
 use heliotile_weather::dated::DatedRows;
 use heliotile_weather::distance::far_apart;
 use heliotile_weather::formats::weather_file::ScenePlace;
@@ -137,7 +137,7 @@ impl LightRequest {
 }
 
 /// Request for irradiance under the suns and skies of a table.
-#[derive(Clone, Debug, Request)]
+#[derive(Clone, Debug, Default, Request)]
 pub struct QueryRequest {
     /// Light that counts.
     #[field(flatten)]
@@ -176,7 +176,7 @@ impl From<Vec<Condition>> for ConditionSource {
 }
 
 /// Request for irradiance through a weather file.
-#[derive(Clone, Debug, Request)]
+#[derive(Clone, Debug, Request, DefaultRequest)]
 pub struct ReplayRequest {
     /// Light that counts.
     #[field(flatten)]
@@ -227,9 +227,6 @@ pub struct ReplayRequest {
     pub temperatures: Vec<Temperature>,
 }
 
-/// Usual reflectance of snow.
-const USUAL_SNOW: f64 = 0.6;
-
 /// Largest number of sun positions in an interval.
 pub const MAX_STEPS: usize = 60;
 
@@ -259,20 +256,7 @@ impl ReplayRequest {
     /// Returns a replay of a weather file with defaults for all else: a row for each of its
     /// intervals.
     pub fn new(weather: impl Into<PathBuf>) -> Self {
-        ReplayRequest {
-            light: LightRequest::default(),
-            weather: weather.into(),
-            about_weather: WeatherOptions::default(),
-            every: Every::Hour,
-            stamp: StampedAt::Start,
-            year: None,
-            from: None,
-            to: None,
-            steps: None,
-            snow: None,
-            snow_reflectance: USUAL_SNOW,
-            temperatures: Vec::new(),
-        }
+        ReplayRequest { weather: weather.into(), ..ReplayRequest::default() }
     }
 
     /// Returns the changes of reflectances and transmittances, with the snow of the weather file.
@@ -352,17 +336,5 @@ impl Parse for ConditionSource {
 
     fn path(&self) -> Option<&Path> {
         if let ConditionSource::File(file) = self { Some(file) } else { None }
-    }
-}
-
-impl Default for QueryRequest {
-    fn default() -> Self {
-        QueryRequest::new(PathBuf::new())
-    }
-}
-
-impl Default for ReplayRequest {
-    fn default() -> Self {
-        ReplayRequest::new("")
     }
 }

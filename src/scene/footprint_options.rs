@@ -20,8 +20,7 @@ pub const MAX_HEIGHT_M: f64 = 1000.0;
 pub(crate) const FOOT_M: f64 = 0.3048;
 
 /// Source of a height.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "String", into = "String")]
+#[derive(Clone, Debug, PartialEq)]
 pub enum HeightSource {
     /// A column (attribute) of the features.
     Column {
@@ -139,20 +138,6 @@ impl FromStr for HeightSource {
     }
 }
 
-impl TryFrom<String> for HeightSource {
-    type Error = String;
-
-    fn try_from(text: String) -> Result<Self, String> {
-        text.parse()
-    }
-}
-
-impl From<HeightSource> for String {
-    fn from(source: HeightSource) -> String {
-        source.to_string()
-    }
-}
-
 impl Display for HeightSource {
     fn fmt(&self, to: &mut fmt::Formatter) -> fmt::Result {
         match self {
@@ -167,6 +152,8 @@ impl Display for HeightSource {
 
 heliotile_core::parse_by_name!(HeightAbove);
 heliotile_requests::parse_by_text!(HeightSource: heliotile_requests::Form::TEXT);
+
+heliotile_core::serde_by_text!(HeightSource);
 
 #[cfg(test)]
 mod tests {

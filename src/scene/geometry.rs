@@ -2,8 +2,7 @@
 //! and an object. In: what a reader finds, one item after the other. Out: lists in which every
 //! index is in range and every coordinate finite.
 
-use std::collections::BTreeMap;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
 use std::path::Path;
 

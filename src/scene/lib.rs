@@ -76,6 +76,8 @@ mod surface_rasters;
 pub mod survey;
 mod terrain;
 #[cfg(test)]
+mod test_files;
+#[cfg(test)]
 mod tests;
 mod text;
 
@@ -89,7 +91,7 @@ pub use formats::format_of_name;
 pub use ground::model::USUAL as USUAL_GROUND;
 pub use model_version::ModelVersion;
 pub use surface_rasters::SurfaceRasters;
-pub use text::line_of_offset;
+pub use text::read_toml;
 
 use coordinate::MAX_COORDINATE_M;
 use heliotile_core::error::{Error, Result};

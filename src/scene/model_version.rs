@@ -5,11 +5,8 @@ use std::fmt;
 use std::path::Path;
 use std::str::FromStr;
 
-use serde::{Deserialize, Serialize};
-
 /// A version of EnergyPlus, such as 25.2.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize)]
-#[serde(try_from = "String", into = "String")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct ModelVersion {
     /// Year of the version since 22.1, 8 or 9 before.
     pub major: u16,
@@ -48,20 +45,6 @@ impl FromStr for ModelVersion {
     }
 }
 
-impl TryFrom<String> for ModelVersion {
-    type Error = String;
-
-    fn try_from(text: String) -> Result<ModelVersion, String> {
-        text.parse()
-    }
-}
-
-impl From<ModelVersion> for String {
-    fn from(version: ModelVersion) -> String {
-        version.to_string()
-    }
-}
-
 /// Returns a warning about the version that a model states, if one is needed.
 pub(crate) fn doubt(stated: Option<ModelVersion>, file: &Path) -> Option<String> {
     let file = file.display();
@@ -81,6 +64,8 @@ pub(crate) fn doubt(stated: Option<ModelVersion>, file: &Path) -> Option<String>
 }
 
 heliotile_requests::parse_by_text!(ModelVersion: heliotile_requests::Form::TEXT);
+
+heliotile_core::serde_by_text!(ModelVersion);
 
 #[cfg(test)]
 mod tests {

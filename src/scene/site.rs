@@ -13,7 +13,7 @@ use crate::model_version::ModelVersion;
 use crate::placing::frame::{SiteFrame, UpAxis, check_elevation, check_rotation, check_scale};
 use crate::region_part::RegionPart;
 use crate::surface_rasters::SurfaceRasters;
-use crate::text::line_of_offset;
+use crate::text::read_toml;
 use heliotile_core::error::{Error, Result};
 use heliotile_files::input;
 use heliotile_files::writing::guards::guard_output;
@@ -310,10 +310,7 @@ const TILES: [&str; 3] = ["gml", "citygml", "xml"];
 fn read_site(path: &Path, materials: Option<&Path>) -> Result<SceneFiles> {
     let bytes = input::read(path)?;
     let text = String::from_utf8_lossy(&bytes);
-    let document: Document = toml::from_str(&text).map_err(|error| {
-        let line = error.span().map(|span| line_of_offset(text.as_bytes(), span.start));
-        Error::input(path, line, error.message().to_owned(), KEYS)
-    })?;
+    let document: Document = read_toml(path, &text, KEYS)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut parts = Vec::new();
     for entry in &document.scene {
@@ -419,22 +416,20 @@ pub fn guard_site(output: &Path, site: &SceneFiles, others: &[Option<&Path>]) ->
 
 #[cfg(test)]
 mod tests {
-    use std::fs;
-
     use super::*;
     use crate::Scene;
+    use crate::test_files::TestFolder;
 
     const SQUARE: &str = "v 0 0 0\nv 2 0 0\nv 2 0 -2\nv 0 0 -2\nusemtl wall\nf 1 2 3 4\n";
 
-    fn site(toml: &str) -> (tempfile::TempDir, Result<SceneFiles>) {
-        let folder = tempfile::tempdir().expect("a folder");
-        let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).expect("written");
-        write("a.obj", SQUARE);
-        write("b.obj", SQUARE);
-        write("a.toml", "[wall]\ndiffuse = 0.5\n");
-        write("b.toml", "[wall]\ndiffuse = 0.1\n");
-        write("site.toml", toml);
-        let site = SceneFiles::new(&[folder.path().to_owned()], None);
+    fn site(toml: &str) -> (TestFolder, Result<SceneFiles>) {
+        let folder = TestFolder::new();
+        folder.write("a.obj", SQUARE);
+        folder.write("b.obj", SQUARE);
+        folder.write("a.toml", "[wall]\ndiffuse = 0.5\n");
+        folder.write("b.toml", "[wall]\ndiffuse = 0.1\n");
+        folder.write("site.toml", toml);
+        let site = SceneFiles::new(&[folder.at("")], None);
         (folder, site)
     }
 
@@ -495,15 +490,14 @@ mod tests {
     /// sorted by name; a `site.toml` in it takes precedence.
     #[test]
     fn a_folder_of_tiles_is_a_site_of_them() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).expect("written");
+        let folder = TestFolder::new();
         for name in ["2.gml.gz", "1.gml", "codes.xml", "readme.txt"] {
-            write(name, "");
+            folder.write(name, "");
         }
-        let parts = || SceneFiles::new(&[folder.path().to_owned()], None).expect("a site").parts;
+        let parts = || SceneFiles::new(&[folder.at("")], None).expect("a site").parts;
         let names: Vec<_> = parts().iter().map(|part| part.file.file_name().expect("a name").to_owned()).collect();
         assert_eq!(names, ["1.gml", "2.gml.gz"]);
-        write("site.toml", "[[scene]]\nfile = \"a.obj\"\n");
+        folder.write("site.toml", "[[scene]]\nfile = \"a.obj\"\n");
         assert_eq!(parts().len(), 1);
     }
 

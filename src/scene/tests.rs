@@ -1,32 +1,18 @@
 //! Tests of whole files and of triangles in memory: a scene does not depend on how it was written
 //! down.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::site::{Part, SceneFiles};
+use crate::test_files::{Random, TestFolder};
 use crate::*;
 
 const VERTICES: &str = "v 78000.125 457000.5 3.25\nv 78010.125 457000.5 3.25\nv 78010.125 457010.5 3.25\n\
                         v 78000.125 457010.5 3.25\nv 78005.125 457005.5 9.75\n";
 const MATERIALS: &str = "[roof]\ndiffuse = 0.2\n[wall]\ndiffuse = 0.3\nspecular = 0.1\ngroup = \"facade\"\n";
 
-struct Folder(tempfile::TempDir);
-
-impl Folder {
-    fn new() -> Self {
-        Folder(tempfile::tempdir().expect("a scratch folder"))
-    }
-
-    fn write(&self, name: &str, text: &str) -> PathBuf {
-        let path = self.0.path().join(name);
-        fs::write(&path, text).expect("written");
-        path
-    }
-}
-
 fn load(obj: &str, materials: &str) -> Result<Scene> {
-    let folder = Folder::new();
+    let folder = TestFolder::new();
     let obj = folder.write("town.obj", obj);
     Scene::load(&obj, Some(&folder.write("materials.toml", materials)))
 }
@@ -106,7 +92,7 @@ fn the_report_counts_faces_and_triangles() {
 /// materials they are not even opened.
 #[test]
 fn mtl_counts_without_materials_toml() {
-    let folder = Folder::new();
+    let folder = TestFolder::new();
     let obj = folder
         .write("town.obj", &format!("mtllib a.mtl b.mtl\n{VERTICES}usemtl wall\nf 1 2 5\nusemtl roof\nf 1 3 4\n"));
     folder.write("a.mtl", "newmtl wall\nKd 0.4 0.5 0.6\n");
@@ -124,7 +110,7 @@ fn mtl_counts_without_materials_toml() {
 /// count and the lines to add.
 #[test]
 fn a_material_missing_in_the_table_is_an_error() {
-    let folder = Folder::new();
+    let folder = TestFolder::new();
     let obj = folder.write("town.obj", &format!("{VERTICES}f 1 2 3 4\n"));
     let materials = folder.write("materials.toml", MATERIALS);
     let strict = Part { materials_only: true, ..Part::plain(&obj, Some(&materials)) };
@@ -140,7 +126,7 @@ fn a_material_missing_in_the_table_is_an_error() {
 /// state 0.5 and 0.1 for a wall have one wall of 0.3 under the table, and two walls without it.
 #[test]
 fn a_table_overlays_the_library() {
-    let folder = Folder::new();
+    let folder = TestFolder::new();
     let town = |name: &str, library: &str| {
         folder.write(&format!("{name}.mtl"), library);
         folder.write(
@@ -171,7 +157,7 @@ fn a_table_overlays_the_library() {
 /// and the way to state a better value.
 #[test]
 fn an_undescribed_material_is_assumed() {
-    let folder = Folder::new();
+    let folder = TestFolder::new();
     let scene = Scene::load(&folder.write("town.obj", &format!("{VERTICES}f 1 2 3 4\n")), None).expect("assumed");
     assert_eq!((scene.materials[0].diffuse, scene.report.warnings.len()), (0.2, 1));
     let found = &scene.report.warnings[0];
@@ -222,22 +208,16 @@ fn a_scene_from_memory_equals_the_file() {
 fn damaged_files_give_valid_meshes_or_errors() {
     let whole =
         format!("{VERTICES}mtllib x.mtl\nusemtl wall\nf 1 2 5\nf 2/1 3/1/2 -1//4\nusemtl roof # r\nf 1 2 \\\n 5 3 4\n");
-    let mut state = 0x2545_f491_4f6c_dd1d_u64;
-    let mut random = move |below: usize| {
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        (state % below as u64) as usize
-    };
+    let mut random = Random::new();
     let mut read = 0;
     for _ in 0..20_000 {
         let mut bytes = whole.clone().into_bytes();
-        for _ in 0..1 + random(4) {
-            let place = random(bytes.len());
-            match random(3) {
-                0 => bytes[place] = b"0123456789.-+e/ \\\n\r#vfn\xff"[random(24)],
+        for _ in 0..1 + random.below(4) {
+            let place = random.below(bytes.len());
+            match random.below(3) {
+                0 => bytes[place] = b"0123456789.-+e/ \\\n\r#vfn\xff"[random.below(24)],
                 1 => drop(bytes.remove(place)),
-                _ => bytes.insert(place, b"0123456789.-+e/ \\\n\r#vfn\xff"[random(24)]),
+                _ => bytes.insert(place, b"0123456789.-+e/ \\\n\r#vfn\xff"[random.below(24)]),
             }
         }
         let Ok((obj, _)) = formats::obj::parse(&bytes, Path::new("town.obj")) else {

@@ -1,7 +1,20 @@
 //! Lines and words of text files. In: bytes of a text file. Out: numbered lines, words, numbers.
 
-pub use heliotile_files::text::line_of_offset;
+use std::path::Path;
+
+use serde::de::DeserializeOwned;
+
+use heliotile_core::error::{Error, Result};
+pub(super) use heliotile_files::text::line_of_offset;
 pub(super) use heliotile_files::text::{excerpt, utf8, without_byte_order_mark};
+
+/// Reads a file of TOML; `keys` is the hint that says what it may hold.
+pub fn read_toml<T: DeserializeOwned>(path: &Path, text: &str, keys: &'static str) -> Result<T> {
+    toml::from_str(text).map_err(|error| {
+        let line = error.span().map(|span| line_of_offset(text.as_bytes(), span.start));
+        Error::input(path, line, error.message().to_owned(), keys)
+    })
+}
 
 /// Logical lines of a Wavefront file (OBJ, MTL): continuations joined, comment lines left out,
 /// numbered from 1.

@@ -38,14 +38,12 @@ pub use opening::SiteOptions;
 /// may read them at once.
 ///
 /// ```no_run
-/// # fn main() -> heliotile::Result<()> {
 /// use heliotile::{ReplayRequest, Resources, Site};
 /// let site = Site::open("site.helio")?;
 /// for receiver in site.totals(&ReplayRequest::new("rotterdam.epw"), &Resources::usual())? {
 ///     println!("{}: {:.0} kWh/m2", receiver.id, receiver.kwh_m2);
 /// }
-/// # Ok(())
-/// # }
+/// # Ok::<(), heliotile::Error>(())
 /// ```
 #[derive(Clone)]
 pub struct Site {
@@ -58,12 +56,10 @@ impl Site {
     /// Opens the archive or the atlas at a path or an address.
     ///
     /// ```no_run
-    /// # fn main() -> heliotile::Result<()> {
     /// # use heliotile::Site;
     /// let site = Site::open("https://example.org/quarter.helio")?;
     /// println!("{} receivers", site.count());
-    /// # Ok(())
-    /// # }
+    /// # Ok::<(), heliotile::Error>(())
     /// ```
     pub fn open(place: impl Into<PathBuf>) -> Result<Site> {
         Site::open_with(place, SiteOptions::default())
@@ -72,15 +68,13 @@ impl Site {
     /// Opens the archive or the atlas at a path or an address, with options.
     ///
     /// ```no_run
-    /// # fn main() -> heliotile::Result<()> {
     /// # use heliotile::Site;
     /// use heliotile::{Bounds, ReceiverChoice, Selection, SiteOptions};
     /// let square = Bounds::new(&[0.0, 0.0, 200.0, 200.0]).ok().map(Selection::Bounds);
     /// let receivers = ReceiverChoice { selection: square, ..ReceiverChoice::default() };
     /// let options = SiteOptions { receivers, ..SiteOptions::default() };
     /// let square = Site::open_with("atlas", options)?;
-    /// # Ok(())
-    /// # }
+    /// # Ok::<(), heliotile::Error>(())
     /// ```
     pub fn open_with(place: impl Into<PathBuf>, options: SiteOptions) -> Result<Site> {
         let place = place.into();
@@ -96,12 +90,10 @@ impl Site {
     /// Returns this site with some of its receivers; `None`: with all that were opened.
     ///
     /// ```no_run
-    /// # fn main() -> heliotile::Result<()> {
     /// # use heliotile::{Selection, Site};
     /// let site = Site::open("site.helio")?;
     /// let roofs = site.select(Some(Selection::Surfaces(vec!["roof".into()])));
-    /// # Ok(())
-    /// # }
+    /// # Ok::<(), heliotile::Error>(())
     /// ```
     #[must_use]
     pub fn select(&self, receivers: Option<Selection>) -> Site {
@@ -149,13 +141,11 @@ impl Site {
     /// Returns the materials, each name once.
     ///
     /// ```no_run
-    /// # fn main() -> heliotile::Result<()> {
     /// # use heliotile::Site;
     /// for material in Site::open("site.helio")?.materials()? {
     ///     println!("{}: {}", material.name, material.diffuse);
     /// }
-    /// # Ok(())
-    /// # }
+    /// # Ok::<(), heliotile::Error>(())
     /// ```
     pub fn materials(&self) -> Result<Vec<Material>> {
         let mut all: Vec<Material> = Vec::new();
@@ -172,13 +162,11 @@ impl Site {
     /// Returns the chosen receivers; data that does not fit into memory goes beside `output`.
     ///
     /// ```no_run
-    /// # fn main() -> heliotile::Result<()> {
     /// # use heliotile::{MemoryBudget, Site};
     /// let site = Site::open("site.helio")?;
     /// let receivers = site.receivers("-".as_ref(), MemoryBudget::DEFAULT)?;
     /// println!("{} of {}", receivers.names()?.len(), site.count());
-    /// # Ok(())
-    /// # }
+    /// # Ok::<(), heliotile::Error>(())
     /// ```
     pub fn receivers(&self, output: &Path, memory: MemoryBudget) -> Result<ReceiverSet<'_>> {
         self.options.receivers.of(self.archives(), &working_folder(output), memory)
@@ -188,14 +176,12 @@ impl Site {
     /// `-` if there is none.
     ///
     /// ```no_run
-    /// # fn main() -> heliotile::Result<()> {
     /// # use heliotile::{ReplayRequest, Resources, Site};
     /// let site = Site::open("site.helio")?;
     /// let year = ReplayRequest::new("rotterdam.epw").into();
     /// let replay = site.under(&year, "-".as_ref(), &Resources::usual())?;
     /// println!("{} hours", replay.bins().len());
-    /// # Ok(())
-    /// # }
+    /// # Ok::<(), heliotile::Error>(())
     /// ```
     pub fn under<'a>(
         &'a self,
@@ -226,13 +212,11 @@ impl Site {
     /// written, if there is one.
     ///
     /// ```no_run
-    /// # fn main() -> heliotile::Result<()> {
     /// # use heliotile::{OutputRequest, QueryRequest, Resources, Site};
     /// let site = Site::open("site.helio")?;
     /// let suns = QueryRequest::new("conditions.csv");
     /// site.query(&suns, &OutputRequest::new("suns.csv"), &Resources::usual())?;
-    /// # Ok(())
-    /// # }
+    /// # Ok::<(), heliotile::Error>(())
     /// ```
     pub fn query(
         &self,
@@ -247,13 +231,11 @@ impl Site {
     /// there is one.
     ///
     /// ```no_run
-    /// # fn main() -> heliotile::Result<()> {
     /// # use heliotile::{Every, OutputRequest, ReplayRequest, Resources, Site};
     /// let site = Site::open("site.helio")?;
     /// let year = ReplayRequest { every: Every::Month, ..ReplayRequest::new("rotterdam.epw") };
     /// site.replay(&year, &OutputRequest::new("months.parquet"), &Resources::usual())?;
-    /// # Ok(())
-    /// # }
+    /// # Ok::<(), heliotile::Error>(())
     /// ```
     pub fn replay(
         &self,
@@ -275,7 +257,6 @@ impl Site {
     /// holds the places of the sites after.
     ///
     /// ```no_run
-    /// # fn main() -> heliotile::Result<()> {
     /// # use heliotile::{CompareRequest, OutputRequest, ReplayRequest, Resources, Site};
     /// let before = Site::open("before.helio")?;
     /// let under = ReplayRequest::new("rotterdam.epw").into();
@@ -284,8 +265,7 @@ impl Site {
     /// let change = OutputRequest::new("change.csv");
     /// let done = before.compare(&request, &change, &Resources::usual())?;
     /// println!("{}", done.text());
-    /// # Ok(())
-    /// # }
+    /// # Ok::<(), heliotile::Error>(())
     /// ```
     pub fn compare(
         &self,
@@ -334,15 +314,13 @@ impl Site {
     /// returns false.
     ///
     /// ```no_run
-    /// # fn main() -> heliotile::Result<()> {
     /// # use heliotile::{ReplayRequest, Resources, Site};
     /// let site = Site::open("site.helio")?;
     /// site.each_tile(&ReplayRequest::new("rotterdam.epw"), &Resources::usual(), |tile| {
     ///     println!("{} receivers", tile.ids.len());
     ///     Ok(true)
     /// })?;
-    /// # Ok(())
-    /// # }
+    /// # Ok::<(), heliotile::Error>(())
     /// ```
     pub fn each_tile(
         &self,
@@ -357,14 +335,12 @@ impl Site {
     /// Writes a solar cadastre from the sums of a year.
     ///
     /// ```no_run
-    /// # fn main() -> heliotile::Result<()> {
     /// # use heliotile::{BuildingsRequest, Every, ReplayRequest, Resources, Site};
     /// let site = Site::open("site.helio")?;
     /// let year = ReplayRequest { every: Every::Year, ..ReplayRequest::new("rotterdam.epw") };
     /// let roofs = BuildingsRequest { output: "roofs.csv".into(), ..BuildingsRequest::default() };
     /// println!("{} buildings", site.buildings(&year, &roofs, &Resources::usual())?.buildings);
-    /// # Ok(())
-    /// # }
+    /// # Ok::<(), heliotile::Error>(())
     /// ```
     pub fn buildings(
         &self,
@@ -381,14 +357,12 @@ impl Site {
     /// Writes the best places of modules by the sums of a year.
     ///
     /// ```no_run
-    /// # fn main() -> heliotile::Result<()> {
     /// # use heliotile::{Every, PlacesRequest, ReplayRequest, Resources, Site};
     /// let site = Site::open("site.helio")?;
     /// let year = ReplayRequest { every: Every::Year, ..ReplayRequest::new("rotterdam.epw") };
     /// let best = PlacesRequest { output: "best.csv".into(), ..PlacesRequest::default() };
     /// println!("{} places", site.places(&year, &best, &Resources::usual())?.places);
-    /// # Ok(())
-    /// # }
+    /// # Ok::<(), heliotile::Error>(())
     /// ```
     pub fn places(
         &self,
@@ -405,13 +379,11 @@ impl Site {
     /// Writes the thermal comfort of people at points with six planes each.
     ///
     /// ```no_run
-    /// # fn main() -> heliotile::Result<()> {
     /// # use heliotile::{ComfortRequest, OutputRequest, Resources, Site};
     /// let people = ComfortRequest::new("rotterdam.epw");
     /// let site = Site::open("square.helio")?;
     /// site.comfort(&people, &OutputRequest::new("utci.csv"), &Resources::usual())?;
-    /// # Ok(())
-    /// # }
+    /// # Ok::<(), heliotile::Error>(())
     /// ```
     pub fn comfort(
         &self,
@@ -431,12 +403,10 @@ impl Site {
     /// Writes the light that surroundings reflect, over the sun's position.
     ///
     /// ```no_run
-    /// # fn main() -> heliotile::Result<()> {
     /// # use heliotile::{FactorsRequest, Resources, Site};
     /// let table = FactorsRequest { output: "factors.csv".into(), ..FactorsRequest::default() };
     /// Site::open("site.helio")?.factors(&table, &Resources::usual())?;
-    /// # Ok(())
-    /// # }
+    /// # Ok::<(), heliotile::Error>(())
     /// ```
     pub fn factors(&self, request: &FactorsRequest, resources: &Resources) -> Result<()> {
         request.check(&self.inputs(&[]))?;
@@ -447,14 +417,12 @@ impl Site {
     /// Writes the hours of possible sun, or of glare, and the results of rules.
     ///
     /// ```no_run
-    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
     /// # use heliotile::{OutputRequest, Resources, Site, SunlightRequest};
     /// let site = Site::open("site.helio")?;
     /// let march = SunlightRequest { dates: vec!["03-21".parse()?], ..SunlightRequest::default() };
     /// let done = site.sunlight(&march, &OutputRequest::new("hours.csv"), &Resources::usual())?;
     /// println!("{} places", done.places);
-    /// # Ok(())
-    /// # }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn sunlight(
         &self,
@@ -480,14 +448,12 @@ impl Site {
     /// Writes an archive of the chosen receivers, or of all without hits and cells. An atlas of several archives is refused.
     ///
     /// ```no_run
-    /// # fn main() -> heliotile::Result<()> {
     /// # use heliotile::{ExtractContent, MemoryBudget, Selection, Silent, Site};
     /// let window = Selection::Ids(vec!["south/window#3".into()]);
     /// let site = Site::open("site.helio")?.select(Some(window));
     /// let content = ExtractContent { scene: true, replay_only: false };
     /// site.extract("window.helio".as_ref(), content, MemoryBudget::DEFAULT, &Silent)?;
-    /// # Ok(())
-    /// # }
+    /// # Ok::<(), heliotile::Error>(())
     /// ```
     pub fn extract(
         &self,
@@ -511,14 +477,12 @@ impl Site {
     /// archive and its access are those of this site.
     ///
     /// ```no_run
-    /// # fn main() -> heliotile::Result<()> {
     /// # use heliotile::{atlas::ExportRequest, Resources, Site};
     /// let site = Site::open("site.helio")?;
     /// let (output, receiver) = ("fisheye.png".into(), Some("south/window#3".into()));
     /// let picture = ExportRequest { output, receiver, ..ExportRequest::default() };
     /// site.export(&picture, &Resources::usual())?;
-    /// # Ok(())
-    /// # }
+    /// # Ok::<(), heliotile::Error>(())
     /// ```
     pub fn export(&self, request: &ExportRequest, resources: &Resources) -> Result<()> {
         let request = ExportRequest { place: self.place.clone(), ..request.clone() };
@@ -529,13 +493,11 @@ impl Site {
     /// layer, too.
     ///
     /// ```no_run
-    /// # fn main() -> heliotile::Result<()> {
     /// # use heliotile::Site;
     /// for checked in Site::open("site.helio")?.verify(true)? {
     ///     println!("{}", checked.text());
     /// }
-    /// # Ok(())
-    /// # }
+    /// # Ok::<(), heliotile::Error>(())
     /// ```
     pub fn verify(&self, deep: bool) -> Result<Vec<CheckedArchive>> {
         let mut found = Vec::new();
@@ -550,13 +512,11 @@ impl Site {
     /// Compares the archive with the reference path tracer.
     ///
     /// ```no_run
-    /// # fn main() -> heliotile::Result<()> {
     /// # use heliotile::{AuditRequest, Resources, SceneRequest, Site};
     /// let scene = SceneRequest::of(["block.city.json"]);
     /// let request = AuditRequest { scene, samples: Some(64), ..AuditRequest::default() };
     /// println!("{}", Site::open("site.helio")?.audit(&request, &Resources::usual())?.text());
-    /// # Ok(())
-    /// # }
+    /// # Ok::<(), heliotile::Error>(())
     /// ```
     pub fn audit(&self, request: &AuditRequest, resources: &Resources) -> Result<AuditReport> {
         AuditRequest { archive: self.place.clone(), ..request.clone() }.run(resources)
@@ -565,15 +525,13 @@ impl Site {
     /// Writes the archive of an edited scene, and opens it. This is the site before.
     ///
     /// ```no_run
-    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
     /// # use heliotile::{Resources, Site, UpdateRequest};
     /// let mut request = UpdateRequest::default();
     /// request.output = "after.helio".into();
     /// request.edits.heights.push("tower=+3m".parse()?);
     /// let (after, done) = Site::open("site.helio")?.update(&request, &Resources::usual())?;
     /// println!("{} receivers, {}", after.count(), done.text());
-    /// # Ok(())
-    /// # }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn update(&self, request: &UpdateRequest, resources: &Resources) -> Result<(Site, UpdateDone)> {
         let done = UpdateRequest { before: self.place.clone(), ..request.clone() }.write(resources)?;

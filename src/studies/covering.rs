@@ -21,7 +21,7 @@ use heliotile_core::site::scene_object::ObjectNote;
 use heliotile_core::site::semantics::{SourceFace, SurfaceKind};
 use heliotile_core::text::{Message, counted, message, with_list};
 use heliotile_core::units::parse_metres;
-use heliotile_requests::Request;
+use heliotile_requests::{DefaultRequest, Request};
 use heliotile_results::outputs::receivers::{ReceiverRow, ReceiverTable};
 use heliotile_scene::Scene;
 use heliotile_scene::covering::cover::{LENGTHS_M, MAX_POINTS, Piece, cover};
@@ -35,7 +35,7 @@ use heliotile_scene::site::SceneFiles;
 pub use heliotile_scene::covering::cover::Density;
 
 /// Surfaces that get receivers, and the density of the receivers.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, Request)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, Request, DefaultRequest)]
 #[serde(default, deny_unknown_fields)]
 pub struct CoverRequest {
     /// Surfaces to cover: roof, wall, window, ground, floor (surfaces that face down), shade, all,
@@ -48,7 +48,7 @@ pub struct CoverRequest {
     #[field(delimiter = ',', metavar = "TYPES")]
     pub types: Vec<String>,
     /// Density of the receivers.
-    #[field(flatten)]
+    #[field(flatten, default = Density::Spacing(2.0))]
     pub density: Density,
     /// Distance of receivers from their surfaces.
     #[field(metavar = "LENGTH", default = "20mm", parse = parse_metres, range = LENGTHS_M, says = "give a length from 1mm to 10km, such as 2m, 50cm or 20mm")]
@@ -68,23 +68,6 @@ pub struct CoverRequest {
 
 /// Allowed areas below which a surface gets no receiver, m2.
 const AREAS_M2: RangeInclusive<f64> = 0.0..=1e9;
-
-impl Default for CoverRequest {
-    /// Returns a receiver for each 2 m x 2 m of the roofs, walls and windows of buildings, 20 mm
-    /// off them.
-    fn default() -> Self {
-        let (on, types) = (Vec::new(), Vec::new());
-        CoverRequest {
-            on,
-            types,
-            density: Density::Spacing(2.0),
-            offset_m: 0.02,
-            min_area_m2: 0.1,
-            within: None,
-            may_be_none: false,
-        }
-    }
-}
 
 /// Surfaces of a scene and the receivers on them.
 pub struct PlacedReceivers {

@@ -15,7 +15,6 @@ use heliotile_builder::planning::AccuracyRequest;
 use heliotile_builder::siting::Siting;
 use heliotile_comfort::people::columns::PLANES;
 use heliotile_comfort::people::points::receiver_name;
-use heliotile_comfort::wind::BODY_HEIGHT_M;
 use heliotile_core::error::{Error, Result, check_ranges};
 use heliotile_core::observer::Observer;
 use heliotile_core::site::model_part::ModelPart;
@@ -23,7 +22,7 @@ use heliotile_core::site::north::North;
 use heliotile_core::site::patch::Patch;
 use heliotile_core::text::counted;
 use heliotile_core::units::parse_metres;
-use heliotile_requests::Request;
+use heliotile_requests::{DefaultRequest, Request};
 use heliotile_results::ComfortRequest;
 use heliotile_results::outputs::receivers::{ReceiverRow, ReceiverTable};
 use heliotile_results::resources::Resources;
@@ -45,7 +44,7 @@ const SPACINGS_M: RangeInclusive<f64> = 0.1..=1000.0;
 const HEIGHTS_M: RangeInclusive<f64> = 0.05..=10.0;
 
 /// Request for the archive of a scene with people.
-#[derive(Clone, Debug, Request)]
+#[derive(Clone, Debug, Request, DefaultRequest)]
 pub struct ComfortSiteRequest {
     /// Scene with the people.
     #[field(flatten, without("grid_north"))]
@@ -76,12 +75,6 @@ pub struct ComfortSiteRequest {
     pub replace: bool,
 }
 
-impl Default for ComfortSiteRequest {
-    fn default() -> Self {
-        ComfortSiteRequest::new(SceneRequest::default(), "")
-    }
-}
-
 /// Point where a person stands.
 struct Stand {
     name: String,
@@ -108,16 +101,7 @@ impl LoadedScene {
 impl ComfortSiteRequest {
     /// Returns a request for people on the ground, 2 m apart.
     pub fn new(scene: SceneRequest, folder: impl Into<PathBuf>) -> Self {
-        ComfortSiteRequest {
-            scene,
-            points: None,
-            on: vec!["ground".to_owned()],
-            spacing_m: 2.0,
-            height_m: BODY_HEIGHT_M,
-            accuracy: AccuracyRequest::default(),
-            folder: folder.into(),
-            replace: false,
-        }
+        ComfortSiteRequest { scene, folder: folder.into(), ..ComfortSiteRequest::default() }
     }
 
     /// Builds the archive, unless the existing one has the same inputs, and returns its path.

@@ -30,6 +30,14 @@ pub struct WeatherReport {
     pub warnings: Vec<Message>,
 }
 
+#[cfg(test)]
+impl WeatherReport {
+    /// Returns the warnings as lines.
+    pub fn told(&self) -> String {
+        self.warnings.iter().map(Message::plain).collect::<Vec<_>>().join("\n")
+    }
+}
+
 /// A weather file.
 #[derive(Clone, Debug)]
 pub struct Weather {

@@ -111,19 +111,7 @@ pub fn emissions(
     Ok(emissions)
 }
 
-impl heliotile_requests::Parse for Temperature {
-    fn form() -> heliotile_requests::Form {
-        heliotile_requests::Form::TEXT
-    }
-
-    fn parse(text: &str) -> std::result::Result<Self, heliotile_requests::Wrong> {
-        Ok(text.parse::<Self>()?)
-    }
-
-    fn path(&self) -> Option<&std::path::Path> {
-        self.file()
-    }
-}
+heliotile_requests::parse_by_text!(Temperature: heliotile_requests::Form::TEXT => Temperature::file);
 
 #[cfg(test)]
 mod tests {

@@ -7,10 +7,11 @@ use heliotile::cases::COMMANDS;
 use crate::tidy::sources;
 
 /// Rooms whose messages the program, Python and the page show, each in its own words.
-const OF_ALL_FACES: [&str; 12] = [
+const OF_ALL_FACES: [&str; 13] = [
     "src/core",
     "src/weather",
     "src/comfort",
+    "src/sunlight",
     "src/files",
     "src/archives",
     "src/scene",

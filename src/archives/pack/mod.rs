@@ -4,10 +4,9 @@
 
 mod chunks;
 mod name_index;
-mod overview;
 mod tile;
 
 pub use chunks::Chunks;
 pub use name_index::NameIndexWriter;
-pub use overview::{OverviewRow, overview};
 pub use tile::{COMPRESSION, hits, responses, tile};
+pub use tile::{OverviewRow, overview};

@@ -1,14 +1,17 @@
 //! Blocks of one tile of receivers. In: tables and layers of a tile. Out: encoded blocks.
 
+use glam::DVec3;
+
 use heliotile_core::archive::format::{BlockKind, TileNumber};
+use heliotile_core::archive::tables::{NORMAL_STEPS, OverviewTable};
 use heliotile_core::archive::{EncodedBlock, encode, format, tables};
 use heliotile_core::error::{Error, Result};
-use heliotile_core::layers::extras;
 use heliotile_core::layers::extras::ReceiverExtras;
 use heliotile_core::layers::hit::HitTile;
-use heliotile_core::layers::response;
 use heliotile_core::layers::response::Response;
 use heliotile_core::layers::sky::SkyTexture;
+use heliotile_core::layers::{extras, response};
+use heliotile_core::site::receiver::Receiver;
 
 /// Level of the block compressor, high because textures are written once and read for years.
 pub const COMPRESSION: i32 = heliotile_core::archive::codec::pack::DEFAULT_LEVEL;
@@ -63,4 +66,38 @@ fn layer(kind: BlockKind, number: TileNumber, items: usize, raw: &[u8]) -> Resul
         max: u64::from(u32::MAX),
     })?;
     encode(kind, number, format::schema_of(kind).unwrap_or(0), items, raw, COMPRESSION)
+}
+
+/// Row of the overview of a tile. The patch is in [`Receiver::patch`].
+pub struct OverviewRow<'a> {
+    /// Receiver, of which position, normal, area and patch are stored.
+    pub receiver: &'a Receiver,
+    /// Sky view: cosine-weighted share of the hemisphere that sees sky.
+    pub sky_view: f32,
+    /// Irradiation of a clear year, kWh/m2; `None` if the place is unknown.
+    pub clear_year: Option<f32>,
+}
+
+/// Encodes the overview of a tile, with positions relative to `origin`.
+pub fn overview<'a>(
+    tile: TileNumber,
+    origin: DVec3,
+    rows: impl IntoIterator<Item = OverviewRow<'a>>,
+) -> Result<EncodedBlock> {
+    let mut table = OverviewTable::default();
+    for OverviewRow { receiver, sky_view, clear_year } in rows {
+        table.position.push((receiver.position - origin).as_vec3().to_array());
+        table.normal.push((receiver.normal * NORMAL_STEPS).round().to_array().map(|x| x as i16));
+        table.area.push(receiver.area.unwrap_or_default() as f32);
+        table.sky_view.push((sky_view * 255.0).round() as u8);
+        table.clear_year.extend(clear_year);
+        // A patch has at most 255 polygons of at most 255 corners.
+        let polygons = receiver.patch.polygons();
+        table.polygons.push(polygons.len() as u8);
+        for polygon in polygons {
+            table.corners.push(polygon.len() as u8);
+            table.offset.extend_from_slice(polygon);
+        }
+    }
+    table.encode(format::OVERVIEW, tile, COMPRESSION)
 }

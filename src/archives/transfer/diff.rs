@@ -6,7 +6,6 @@ use std::path::Path;
 
 use crate::Workspace;
 use crate::transfer::compare::{Difference, differences};
-use crate::transfer::conflicts::listed;
 use crate::transfer::digests::{AllLayers, Digests, cell_name, same_cell};
 use crate::transfer::output::unknown;
 use crate::transfer::rows::{ArchiveReceivers, all_cells};
@@ -16,10 +15,8 @@ use heliotile_core::error::Result;
 use heliotile_core::layers::cells::Cell;
 use heliotile_core::memory::Use;
 use heliotile_core::opened::{CellSource, OpenSite};
+use heliotile_core::text::{FirstNames, counted};
 use heliotile_files::spill::{Sorted, Sorter};
-
-/// Largest number of names in one line.
-const NAMED: usize = 20;
 
 /// Differences of two archives.
 #[derive(Clone, Debug, Default)]
@@ -67,7 +64,7 @@ impl Differences {
                 [("only in A", &parted.only_a), ("only in B", &parted.only_b), ("different", &parted.different)]
             {
                 if names.count > 0 {
-                    let _ = writeln!(out, "{side:<9}  {}{note}", listed(names.count, thing, &names.first));
+                    let _ = writeln!(out, "{side:<9}  {}: {}{note}", counted(names.count, thing), names.listed());
                 }
             }
         }
@@ -112,22 +109,7 @@ impl Parted {
 }
 
 /// Number of items, the first few by name.
-#[derive(Clone, Debug, Default)]
-pub struct Names {
-    /// Number of items.
-    pub count: u64,
-    /// Names of the first few.
-    pub first: Vec<String>,
-}
-
-impl Names {
-    fn add(&mut self, name: impl FnOnce() -> String) {
-        self.count += 1;
-        if self.first.len() < NAMED {
-            self.first.push(name());
-        }
-    }
-}
+pub type Names = FirstNames<20>;
 
 /// Compares the whole content of two archives. Receivers are matched by id, cells by key.
 pub fn diff(a: &Archive, b: &Archive, workspace: &Workspace) -> Result<Differences> {

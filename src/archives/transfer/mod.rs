@@ -8,7 +8,6 @@
 //! sorted in temporary files. No ray is cast.
 
 mod compare;
-mod conflicts;
 mod diff;
 mod digests;
 mod extract;

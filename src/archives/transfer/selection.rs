@@ -8,14 +8,13 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 
 use crate::receiver_ids::ReceiverIds;
-use crate::transfer::conflicts::listed;
 use crate::transfer::rows::ArchiveReceivers;
 use crate::transfer::union::{Side, union};
 use heliotile_core::archive::tables::NameOf;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::opened::{NameIndex, OpenSite, tiles_within};
 use heliotile_core::site::receiver::Receiver;
-use heliotile_core::text::{counted, message};
+use heliotile_core::text::{counted, listed, message};
 use heliotile_files::spill::{Sorted, Sorter, damaged, number_of};
 
 /// Largest number of names in a message.
@@ -177,11 +176,11 @@ fn named(names: &[String], thing: &str, of: &[NameOf], sites: &[OpenSite]) -> Re
     if missing.is_empty() {
         return Ok(kept);
     }
-    let names: Vec<String> = missing.iter().take(NAMED).map(|name| (*name).to_owned()).collect();
     let found = format!(
-        "{} receivers of {}",
+        "{} receivers of {}: {}",
         none(sites, ["holds no", "hold no"]),
-        listed(missing.len() as u64, thing, &names)
+        counted(missing.len() as u64, thing),
+        listed(missing.iter().take(NAMED), missing.len())
     );
     let hint = message!(
         "use the {thing} names in `receivers.csv`; {{surface}} is for surfaces, {{object}} for objects and buildings"
@@ -211,8 +210,8 @@ struct MissingIds {
 
 impl MissingIds {
     fn listed(&self, name: impl Fn(&str, u64) -> String) -> String {
-        let names: Vec<String> = self.some.iter().map(|(id, line)| name(id, *line)).collect();
-        listed(self.count, "receiver", &names)
+        let names = listed(self.some.iter().map(|(id, line)| name(id, *line)), self.count as usize);
+        format!("{}: {names}", counted(self.count, "receiver"))
     }
 }
 
@@ -289,10 +288,6 @@ fn tiles_of_ids(site: &OpenSite, wanted: &mut Sorted) -> Result<Vec<u32>> {
 
 /// A box as `xmin,ymin,xmax,ymax` of any height, or with `zmin,zmax` behind.
 impl heliotile_requests::Parse for Bounds {
-    fn form() -> heliotile_requests::Form {
-        heliotile_requests::Form::TEXT
-    }
-
     fn parse(text: &str) -> std::result::Result<Self, heliotile_requests::Wrong> {
         let number = |part: &str| <f64 as heliotile_requests::Parse>::parse(part.trim());
         Ok(Bounds::new(&text.split(',').map(number).collect::<std::result::Result<Vec<f64>, _>>()?)?)

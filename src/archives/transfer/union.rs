@@ -1,8 +1,10 @@
 //! Union of two sorted sequences. In: two sequences. Out: their items in one sequence.
 
 use std::cmp::Ordering;
+use std::path::Path;
 
-use heliotile_core::error::Result;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::text::{FirstNames, counted};
 
 /// Item of a union, by the sequences that hold it.
 pub enum Side<T> {
@@ -56,4 +58,25 @@ pub fn union<T>(
             Ordering::Equal => left.next().zip(right.next()).map(|(a, b)| Ok(Side::Both(a?, b?))),
         }
     })
+}
+
+/// Conflicts of a merge.
+#[derive(Debug, Default)]
+pub struct Conflicts(FirstNames<10>);
+
+impl Conflicts {
+    pub fn add(&mut self, name: impl FnOnce() -> String) {
+        self.0.add(name);
+    }
+
+    /// Returns an error that lists the conflicts, if there are any.
+    pub fn check(&self, first: &Path, second: &Path) -> Result<()> {
+        if self.0.count == 0 {
+            return Ok(());
+        }
+        let count = counted(self.0.count, "conflict");
+        let what = format!("cannot be merged with {}: {count}: {}", first.display(), self.0.listed());
+        let hint = "see `{command:archive diff}`; build one of the two again, or leave receivers out with `{command:archive extract}`";
+        Err(Error::input(second, None, what, hint))
+    }
 }

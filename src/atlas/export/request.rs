@@ -8,10 +8,10 @@ use heliotile_core::error::{Error, Result, check_ranges};
 use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::options::WeatherOptions;
-use heliotile_requests::Request;
+use heliotile_requests::{DefaultRequest, Request};
 
 /// Request for an export.
-#[derive(Clone, Debug, Request)]
+#[derive(Clone, Debug, Request, DefaultRequest)]
 pub struct ExportRequest {
     /// Archive to read, or the folder of an atlas: a path or an address.
     #[field(name = "archive", positional, required, input = Archive)]
@@ -21,7 +21,7 @@ pub struct ExportRequest {
     pub access: Access,
     /// File to write: `.exr` or `.png` of a receiver; otherwise a table of view factors, `-` for
     /// standard output.
-    #[field(skip)]
+    #[field(skip, default = "-")]
     pub output: PathBuf,
     /// Export the layers of this receiver.
     #[field(short = 'r', metavar = "ID")]
@@ -65,27 +65,6 @@ pub struct ExportRequest {
     /// solar time.
     #[field(metavar = "DEGREES", range = -90.0..=90.0, says = "give degrees from -90 to 90, north positive")]
     pub latitude_deg: Option<f64>,
-}
-
-impl Default for ExportRequest {
-    fn default() -> Self {
-        ExportRequest {
-            place: PathBuf::new(),
-            access: Access::default(),
-            output: "-".into(),
-            receiver: None,
-            panel: false,
-            sun: None,
-            dni_w_m2: 0.0,
-            dhi_w_m2: 0.0,
-            sky: SkyModel::default(),
-            patches: None,
-            bounces: MaxBounces::All,
-            weather: None,
-            about_weather: WeatherOptions::default(),
-            latitude_deg: None,
-        }
-    }
 }
 
 impl ExportRequest {

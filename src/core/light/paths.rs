@@ -89,10 +89,6 @@ pub fn parse_depth(text: &str) -> Result<MaxBounces, String> {
 }
 
 impl heliotile_requests::Parse for MaxBounces {
-    fn form() -> heliotile_requests::Form {
-        heliotile_requests::Form::TEXT
-    }
-
     fn parse(text: &str) -> Result<Self, heliotile_requests::Wrong> {
         Ok(parse_depth(text)?)
     }

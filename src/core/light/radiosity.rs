@@ -26,10 +26,11 @@ use crate::light::tables::Tables;
 use crate::site::cells::{CellKey, CellMap};
 
 /// Limit on the number of diffuse reflections; as JSON a number, or null for all.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(into = "Option<u32>", try_from = "Option<u32>")]
 pub enum MaxBounces {
     /// Reflections until less than [`TOLERANCE`] of the light is left.
+    #[default]
     All,
     /// At most this many diffuse reflections; 1 is the model of the paper.
     Count(u32),

@@ -5,7 +5,7 @@
 
 pub mod bands;
 pub mod components;
-pub(crate) mod direct;
+mod direct;
 pub mod factors;
 pub mod interactive;
 mod longwave;
@@ -21,5 +21,8 @@ mod sun_sample;
 mod sun_texels;
 mod through_canopy;
 pub mod tile;
-pub(crate) mod tile_layers;
+mod tile_layers;
 pub mod values;
+
+pub use direct::specular::MirrorView;
+pub use tile_layers::mirror_views;

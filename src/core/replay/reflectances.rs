@@ -3,7 +3,7 @@
 
 use crate::named::NamedValues;
 use crate::text::{Message, message};
-use heliotile_requests::Request;
+use heliotile_requests::{Parse, Request};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -94,11 +94,7 @@ pub fn followed_files<'a>(
     scheduled: &'a [(String, PathBuf)],
     transmittance: &'a [(String, ConstantOrFile)],
 ) -> impl Iterator<Item = &'a Path> {
-    let transmittances = transmittance.iter().filter_map(|(_, follow)| match follow {
-        ConstantOrFile::File(file) => Some(file.as_path()),
-        ConstantOrFile::Value(_) => None,
-    });
-    scheduled.iter().map(|(_, file)| file.as_path()).chain(transmittances)
+    scheduled.iter().filter_map(Parse::path).chain(transmittance.iter().filter_map(Parse::path))
 }
 
 impl Changes {
@@ -329,11 +325,7 @@ impl NamedValues for Snow {
 }
 
 crate::parse_by_name!(Snow);
-impl heliotile_requests::Parse for ConstantOrFile {
-    fn form() -> heliotile_requests::Form {
-        heliotile_requests::Form::TEXT
-    }
-
+impl Parse for ConstantOrFile {
     fn parse(text: &str) -> std::result::Result<Self, heliotile_requests::Wrong> {
         Ok(text.parse::<Self>()?)
     }

@@ -7,15 +7,13 @@ use std::str::FromStr;
 
 use glam::DVec3;
 use heliotile_requests::{Problem, Wrong};
-use serde::{Deserialize, Serialize};
 
 use crate::sky::distribution::Distribution;
 use crate::sky::{perez, perez1990};
 use crate::weather::conditions::Condition;
 
 /// Model of how the radiance of the sky is distributed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(into = "String", try_from = "String")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SkyModel {
     /// Perez all-weather model (1993), from DNI and DHI.
@@ -162,20 +160,6 @@ impl SkyModel {
     }
 }
 
-impl From<SkyModel> for String {
-    fn from(sky: SkyModel) -> String {
-        sky.to_string()
-    }
-}
-
-impl TryFrom<String> for SkyModel {
-    type Error = Wrong;
-
-    fn try_from(text: String) -> Result<Self, Wrong> {
-        text.parse()
-    }
-}
-
 impl FromStr for SkyModel {
     type Err = Wrong;
 
@@ -209,6 +193,8 @@ impl fmt::Display for SkyModel {
 }
 
 heliotile_requests::parse_by_text!(SkyModel: heliotile_requests::Form::TEXT);
+
+crate::serde_by_text!(SkyModel);
 
 #[cfg(test)]
 mod tests {

@@ -7,6 +7,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::named::NamedValues;
 use crate::weather::time::clock_zone::ClockZone;
+use std::fmt;
 use std::str::FromStr;
 
 /// Options for reading a weather file. The default takes the statements of the file.
@@ -125,8 +126,7 @@ impl DateOrder {
 }
 
 /// Shift of the time stamps of a file before the sun is computed: `auto`, or minutes as in `41min`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(into = "String", try_from = "String")]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TimeShift {
     /// A number of minutes, later if positive.
     Minutes(f64),
@@ -134,20 +134,12 @@ pub enum TimeShift {
     Auto,
 }
 
-impl From<TimeShift> for String {
-    fn from(shift: TimeShift) -> String {
-        match shift {
-            TimeShift::Minutes(minutes) => format!("{minutes}min"),
-            TimeShift::Auto => "auto".to_owned(),
+impl fmt::Display for TimeShift {
+    fn fmt(&self, to: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            TimeShift::Minutes(minutes) => write!(to, "{minutes}min"),
+            TimeShift::Auto => to.write_str("auto"),
         }
-    }
-}
-
-impl TryFrom<String> for TimeShift {
-    type Error = String;
-
-    fn try_from(text: String) -> Result<Self, String> {
-        text.parse()
     }
 }
 
@@ -206,6 +198,8 @@ pub fn parse_zone(text: &str) -> std::result::Result<ClockZone, String> {
     let hint = "give hours ahead of UTC, -12 to 14, such as +01:00, -7, 5.5 or UTC, or a name such as Europe/Amsterdam";
     text.parse().map_err(|_| hint.into())
 }
+
+crate::serde_by_text!(TimeShift);
 
 #[cfg(test)]
 mod tests {

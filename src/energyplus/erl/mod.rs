@@ -8,12 +8,11 @@
 //! snow as EnergyPlus has them.
 
 mod sky_program;
-mod words;
 
 use crate::sun_tables::{NOMINAL_W_M2, ReflectedSky};
+pub use sky_program::Names;
 use sky_program::brightening_lines;
-pub use words::Names;
-use words::signed;
+use sky_program::signed;
 
 /// Ground-reflected radiation at or below which it is night, W/m2.
 const NIGHT_W_M2: f64 = 0.01;

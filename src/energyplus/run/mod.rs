@@ -22,13 +22,13 @@ use heliotile_builder::trace::placement::Placement;
 use heliotile_core::archive::Archive;
 use heliotile_core::error::{Error, Result, check_ranges};
 use heliotile_core::light::paths::LightPaths;
-use heliotile_core::named::{NamedValues, name_of};
+use heliotile_core::named::NamedValues;
 use heliotile_core::replay::factors::SunGrid;
 use heliotile_core::text::{Message, counted};
 use heliotile_core::units::parse_metres;
 use heliotile_files::input;
 use heliotile_files::writing::guards::{guard_archive, guard_output};
-use heliotile_requests::Request;
+use heliotile_requests::{DefaultRequest, Request};
 use heliotile_results::Resources;
 use heliotile_results::outputs::sink::{write_file, write_texts};
 use heliotile_scene::Scene;
@@ -48,7 +48,7 @@ const OFFSET_M: f64 = 0.02;
 const REPORT: [&str; 2] = ["report.md", "report.html"];
 
 /// Request for an EnergyPlus model.
-#[derive(Clone, Debug, Request)]
+#[derive(Clone, Debug, Request, DefaultRequest)]
 pub struct EnergyplusRequest {
     /// EnergyPlus model, .idf or .epJSON, of version 24.1 to 25.2; with --assume-version 25.2 of
     /// any version that EnergyPlus 25.2 runs.
@@ -124,10 +124,11 @@ pub struct EnergyplusRequest {
 }
 
 /// Light paths that are injected.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Physics {
     /// All light paths.
+    #[default]
     Full,
     /// Light paths that EnergyPlus has, too.
     EnergyPlus,
@@ -165,6 +166,21 @@ pub(super) struct Targets {
 }
 
 impl Targets {
+    /// Assigns light to surfaces: their own, which is that of `lit` in order, their wall's, or none
+    /// to hidden ones; openings in hidden walls are listed if `with_hidden_walls`.
+    fn new(document: &Document, lit: &[&str], covered: &PlacedReceivers, with_hidden_walls: bool) -> Targets {
+        let number: BTreeMap<String, usize> = lit.iter().zip(0..).map(|(name, i)| (name.to_lowercase(), i)).collect();
+        let all = covered.all().map(|(_, piece, surface, _)| covered.part(piece, surface).face);
+        let hidden: BTreeSet<String> = all.filter(|name| !number.contains_key(&name.to_lowercase())).collect();
+        let walls = hidden.iter().filter(|_| with_hidden_walls).map(|name| name.to_lowercase());
+        let by_wall = checks::openings_left_out(document, &number.keys().cloned().chain(walls).collect());
+        let mut list: Vec<(String, Option<usize>)> =
+            lit.iter().zip(0..).map(|(name, i)| ((*name).to_owned(), Some(i))).collect();
+        list.extend(by_wall.iter().map(|(name, wall)| (name.clone(), number.get(wall).copied())));
+        list.extend(hidden.iter().map(|name| (name.clone(), None)));
+        Targets { list, by_wall, hidden: hidden.into_iter().collect(), partly: partly_hidden(covered) }
+    }
+
     /// Returns the number of surfaces with light of their own: those of the report's table.
     pub(super) fn own(&self) -> usize {
         let numbers: BTreeSet<usize> = self.list.iter().filter_map(|(_, number)| *number).collect();
@@ -233,12 +249,6 @@ fn read_model(task: &Task) -> Result<(Document, NamedFiles)> {
     Ok((document, files))
 }
 
-impl Default for EnergyplusRequest {
-    fn default() -> Self {
-        EnergyplusRequest::new("", "")
-    }
-}
-
 /// Usual distances between receivers, metres: shadows of deleted surroundings depend on it.
 const SPACINGS_M: [f64; 2] = [1.0, 0.5];
 
@@ -250,22 +260,7 @@ impl EnergyplusRequest {
 
     /// Returns a request for a model by itself, with all reflections.
     pub fn new(model: impl Into<PathBuf>, folder: impl Into<PathBuf>) -> Self {
-        EnergyplusRequest {
-            model: model.into(),
-            scene: Vec::new(),
-            at: None,
-            crs: None,
-            delete_surroundings: false,
-            weather: None,
-            folder: folder.into(),
-            physics: Physics::Full,
-            run: false,
-            energyplus: None,
-            spacing_m: None,
-            surfaces: SceneRequest::default(),
-            accuracy: AccuracyRequest::default(),
-            replace: false,
-        }
+        EnergyplusRequest { model: model.into(), folder: folder.into(), ..EnergyplusRequest::default() }
     }
 
     /// Writes the folder: the model with its light, the archive, a report.
@@ -283,6 +278,13 @@ impl EnergyplusRequest {
 impl Task<'_> {
     fn warn(&self, text: impl Into<Message>) {
         self.resources.observer.warn(text);
+    }
+
+    /// Tells what is hidden, what was changed and what to know.
+    fn tell(&self, targets: &Targets, notes: &[Message], warnings: &[Message]) {
+        warn_of_partly_hidden(&targets.partly, self);
+        notes.iter().for_each(|note| self.report(note.clone().and("\n")));
+        warnings.iter().for_each(|text| self.warn(text));
     }
 
     /// Words sentences of a report for the user interface.
@@ -321,7 +323,8 @@ fn run(task: &Task) -> Result<()> {
         Physics::Full => ground_range(&document),
     };
     let lights = lights(task, ground, &archive, &covered)?;
-    let targets = targets(&document, &lights, &covered);
+    let names: Vec<&str> = lights.iter().map(|light| light.name.as_str()).collect();
+    let targets = Targets::new(&document, &names, &covered, true);
     let injection =
         Injection { grid: SunGrid::USUAL, sky: sky_of(task.request.physics), lights: &lights, targets: &targets.list };
     let mut changed = injection::write(&mut document, &injection)?;
@@ -330,9 +333,7 @@ fn run(task: &Task) -> Result<()> {
     let injected: BTreeSet<String> = targets.list.iter().map(|(name, _)| name.to_lowercase()).collect();
     let mut warnings = named_files.warnings;
     warnings.extend(checks::warnings(&document, task.request.surfaces.assume_version, &injected));
-    warn_of_partly_hidden(&targets.partly, task);
-    changed.notes.iter().for_each(|note| task.report(note.clone().and("\n")));
-    warnings.iter().for_each(|text| task.warn(text));
+    task.tell(&targets, &changed.notes, &warnings);
     let told = pages::ReportContents {
         task,
         archive: &archive,
@@ -497,20 +498,6 @@ fn ground_range(document: &Document) -> GroundRange {
     }
 }
 
-/// Assigns light to surfaces: their own, their wall's, or none to hidden ones.
-fn targets(document: &Document, lights: &[SurfaceLight], covered: &PlacedReceivers) -> Targets {
-    let number: BTreeMap<String, usize> = lights.iter().enumerate().map(|(i, l)| (l.name.to_lowercase(), i)).collect();
-    let mut list: Vec<(String, Option<usize>)> =
-        lights.iter().enumerate().map(|(i, light)| (light.name.clone(), Some(i))).collect();
-    let all = covered.all().map(|(_, piece, surface, _)| covered.part(piece, surface).face);
-    let hidden: BTreeSet<String> = all.filter(|name| !number.contains_key(&name.to_lowercase())).collect();
-    let known = number.keys().cloned().chain(hidden.iter().map(|name| name.to_lowercase()));
-    let by_wall = checks::openings_left_out(document, &known.collect());
-    list.extend(by_wall.iter().map(|(name, wall)| (name.clone(), number.get(wall).copied())));
-    list.extend(hidden.iter().map(|name| (name.clone(), None)));
-    Targets { list, by_wall, hidden: hidden.into_iter().collect(), partly: partly_hidden(covered) }
-}
-
 fn write_document(path: &Path, document: &Document) -> Result<()> {
     write_file(path, &document.bytes())
 }
@@ -525,11 +512,6 @@ fn summary(files: &Files, targets: &Targets, changed: &Changed) -> String {
         files.model.with_file_name(REPORT[0]).display(),
         files.model.display()
     )
-}
-
-/// Returns the name of the light for the report.
-pub(super) fn physics_name(physics: Physics) -> &'static str {
-    name_of(&physics)
 }
 
 heliotile_core::parse_by_name!(Physics);

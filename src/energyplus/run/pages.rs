@@ -1,11 +1,11 @@
 //! The report of an injection. In: the changes to the model. Out: sections of the report.
 
-use super::{Physics, Task};
-use super::{Targets, physics_name};
+use super::{Physics, Targets, Task};
 use crate::injection::Changed;
 use crate::report::{Block, Report};
 use crate::sun_tables::{GroundRange, SurfaceLight};
 use heliotile_core::archive::{Archive, format};
+use heliotile_core::named::name_of;
 use heliotile_core::replay::factors::SunGrid;
 use heliotile_core::text::{Message, message};
 
@@ -42,7 +42,7 @@ pub fn physics_lines(physics: Physics) -> Vec<Message> {
             "one diffuse reflection, the mirrored sun and a uniform sky, as EnergyPlus computes them"
         }
     };
-    vec![message!("light: `{{physics}} {}`: {light}", physics_name(physics))]
+    vec![message!("light: `{{physics}} {}`: {light}", name_of(&physics))]
 }
 
 fn done(told: &ReportContents) -> Vec<String> {

@@ -8,9 +8,7 @@ use std::io::Write;
 
 use super::pages::{left_out, physics_lines};
 use super::runs::{self, Engine};
-use super::{
-    Files, REPORT, Targets, areas, cover_of, partly_hidden, traced, warn_of_partly_hidden, write_document, write_report,
-};
+use super::{Files, REPORT, Targets, areas, cover_of, traced, write_document, write_report};
 use super::{Physics, Task};
 use crate::checks;
 use crate::document::{Document, ModelObject};
@@ -90,7 +88,8 @@ pub fn run(task: &Task, mut document: Document, steps: &Steps, full: Full) -> Re
     let alone = alone(task, &document, &full)?;
     let ground: Vec<f64> = steps.grounds.iter().map(|(month, snow_cm)| stated.of(*month, *snow_cm)).collect();
     let lit = lit(task, steps, &ground, &full, &alone)?;
-    let targets = targets(&document, &lit, full.covered);
+    let surfaces_lit: Vec<&str> = lit.iter().map(|lit| lit.name.as_str()).collect();
+    let targets = Targets::new(&document, &surfaces_lit, full.covered, false);
     let windows = windows(&document);
     let shaded: BTreeSet<String> =
         document.of("WindowShadingControl").flat_map(ModelObject::texts).map(str::to_lowercase).collect();
@@ -122,10 +121,8 @@ pub fn run(task: &Task, mut document: Document, steps: &Steps, full: Full) -> Re
     let injected: BTreeSet<String> = targets.list.iter().map(|(name, _)| name.to_lowercase()).collect();
     let mut warnings = full.named_files.warnings.clone();
     warnings.extend(checks::warnings(&document, task.request.surfaces.assume_version, &injected));
-    warn_of_partly_hidden(&targets.partly, task);
     warnings.extend(of_this_way(&document, &windows, &shaded));
-    notes.iter().for_each(|note| task.report(note.clone().and("\n")));
-    warnings.iter().for_each(|text| task.warn(text));
+    task.tell(&targets, &notes, &warnings);
     write_series(task, steps, &columns)?;
     write_document(&full.files.model, &document)?;
     task.report(format!(
@@ -262,20 +259,6 @@ fn lights(lit: Option<&Lit>, count: usize) -> Vec<StepLight> {
             alone_sky: at(&lit.alone, 1, step),
         })
         .collect()
-}
-
-/// Assigns light to surfaces: their own, their wall's, or none to hidden ones.
-fn targets(document: &Document, lit: &[Lit], covered: &PlacedReceivers) -> Targets {
-    let number: BTreeMap<String, usize> =
-        lit.iter().enumerate().map(|(number, lit)| (lit.name.to_lowercase(), number)).collect();
-    let mut list: Vec<(String, Option<usize>)> =
-        lit.iter().enumerate().map(|(number, lit)| (lit.name.clone(), Some(number))).collect();
-    let by_wall = checks::openings_left_out(document, &number.keys().cloned().collect());
-    list.extend(by_wall.iter().filter_map(|(name, wall)| Some((name.clone(), Some(*number.get(wall)?)))));
-    let all = covered.all().map(|(_, piece, surface, _)| covered.part(piece, surface).face);
-    let hidden: BTreeSet<String> = all.filter(|name| !number.contains_key(&name.to_lowercase())).collect();
-    list.extend(hidden.iter().map(|name| (name.clone(), None)));
-    Targets { list, by_wall, hidden: hidden.into_iter().collect(), partly: partly_hidden(covered) }
 }
 
 /// Returns the names of openings with panes, in small letters.

@@ -4,7 +4,7 @@
 
 use crate::document::Document;
 use crate::erl::Names;
-use crate::injection::{PROGRAM_SURFACES, add_programs};
+use crate::injection::{add_programs, extend_programs};
 use crate::new_object::{FieldValue, NewObject};
 use heliotile_core::error::Result;
 
@@ -59,8 +59,8 @@ pub fn write(document: &mut Document, names: &Names, table: &Table, readers: &[R
         let own = |letter: &str| names.of(&format!("{letter}{}", i + 1));
         let series = own("Series");
         document.add(schedule(names, &series, table, reader.column));
-        document.add(sensor(own("S"), &series, "Schedule Value"));
-        document.add(actuator(own("A"), &reader.surface, "Surface", "View Factor To Ground"));
+        document.add(NewObject::sensor(own("S"), &series, "Schedule Value"));
+        document.add(NewObject::actuator(own("A"), &reader.surface, "Surface", "View Factor To Ground"));
         if let Some(column) = reader.multiplier {
             let name = own("Multiplier");
             document.add(schedule(names, &name, table, column));
@@ -79,12 +79,8 @@ pub fn write(document: &mut Document, names: &Names, table: &Table, readers: &[R
             document.add(object.nameless());
         }
         write_views(document, names, i, reader);
-        if i % PROGRAM_SURFACES == 0 {
-            programs.push((names.of(&format!("Surfaces{}", i / PROGRAM_SURFACES + 1)), Vec::new()));
-        }
-        if let Some((_, lines)) = programs.last_mut() {
-            lines.push(format!("SET {} = {} * {}", own("A"), own("S"), names.of("I")));
-        }
+        let line = format!("SET {} = {} * {}", own("A"), own("S"), names.of("I"));
+        extend_programs(&mut programs, names, i, [line]);
     }
     add_programs(document, names, programs);
     Ok(())
@@ -109,32 +105,21 @@ fn schedule(names: &Names, name: &str, table: &Table, column: usize) -> NewObjec
     object
 }
 
-fn sensor(name: String, key: &str, output: &str) -> NewObject {
-    let fields =
-        [("output_variable_or_output_meter_index_key_name", key), ("output_variable_or_output_meter_name", output)];
-    NewObject::new("EnergyManagementSystem:Sensor", name, &fields)
-}
-
-fn actuator(name: String, component: &str, sort: &str, control: &str) -> NewObject {
-    let fields = [
-        ("actuated_component_unique_name", component),
-        ("actuated_component_type", sort),
-        ("actuated_component_control_type", control),
-    ];
-    NewObject::new("EnergyManagementSystem:Actuator", name, &fields)
-}
-
 /// Writes the sensors of the site, and the temperature schedule of the surroundings.
 fn write_site(document: &mut Document, names: &Names) {
-    document.add(sensor(names.of("GSR"), "Environment", "Site Ground Reflected Solar Radiation Rate per Area"));
-    document.add(sensor(names.of("Air"), "Environment", "Site Outdoor Air Drybulb Temperature"));
+    document.add(NewObject::sensor(
+        names.of("GSR"),
+        "Environment",
+        "Site Ground Reflected Solar Radiation Rate per Area",
+    ));
+    document.add(NewObject::sensor(names.of("Air"), "Environment", "Site Outdoor Air Drybulb Temperature"));
     let list = NewObject::new("EnergyManagementSystem:GlobalVariable", names.of("Shared"), &[]).nameless();
     document.add(list.with_list("variables", &["erl_variable_name"], vec![FieldValue::Text(names.of("I"))]));
     let air = names.of("Air_C");
     let mut schedule = NewObject::new("Schedule:Constant", &air, &[("schedule_type_limits_name", &names.of("Any"))]);
     schedule.fields.push(("hourly_value", FieldValue::Number("10".into())));
     document.add(schedule);
-    document.add(actuator(names.of("SetAir"), &air, "Schedule:Constant", "Schedule Value"));
+    document.add(NewObject::actuator(names.of("SetAir"), &air, "Schedule:Constant", "Schedule Value"));
 }
 
 /// Writes the view factors of a surface for longwave radiation: the surroundings hide part of the

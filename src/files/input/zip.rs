@@ -1,9 +1,11 @@
 //! Zip files. In: bytes that may be a zip of one file. Out: that file with its name.
 
+use std::fmt::Display;
 use std::io::{Cursor, Read};
 use std::path::Path;
 
 use heliotile_core::error::{Error, Result};
+use heliotile_core::text::listed;
 use zip::{CompressionMethod, ZipArchive};
 
 use super::budget::most;
@@ -30,13 +32,12 @@ pub(super) fn single(bytes: &[u8], packed: u64, file: &Path) -> Result<Option<Si
         return Ok(None);
     }
     let refuse = |what: String| Error::input(file, None, what, UNPACK);
-    let damaged = |error: &dyn std::fmt::Display| refuse(format!("the zip is damaged or cut off: {error}"));
-    let mut zip = ZipArchive::new(Cursor::new(bytes)).map_err(|error| damaged(&error))?;
+    let mut zip = ZipArchive::new(Cursor::new(bytes)).map_err(damage_of(file))?;
     let all: Vec<(usize, String)> = (0..)
         .zip(zip.file_names())
         .map(|(number, name)| name.map(|name| (number, name.into_owned())))
         .collect::<std::result::Result<_, _>>()
-        .map_err(|error| damaged(&error))?;
+        .map_err(damage_of(file))?;
     if all.iter().any(|(_, name)| name == "[Content_Types].xml") {
         let what = "is a workbook or document of an office program";
         return Err(Error::input(file, None, what, "save the sheet as CSV, and give that"));
@@ -44,25 +45,35 @@ pub(super) fn single(bytes: &[u8], packed: u64, file: &Path) -> Result<Option<Si
     let files: Vec<(usize, String)> = all.into_iter().filter(|(_, name)| is_file(name)).collect();
     let [(number, name)] = files.as_slice() else {
         let some = files.iter().take(NAMED).map(|(_, name)| format!("`{}`", excerpt(name.as_bytes())));
-        let (some, more) = (some.collect::<Vec<_>>().join(", "), if files.len() > NAMED { ", ..." } else { "" });
-        return Err(refuse(format!("the zip holds {} files, not one: {some}{more}", files.len())));
+        return Err(refuse(format!("the zip holds {} files, not one: {}", files.len(), listed(some, files.len()))));
     };
     let shown = excerpt(name.as_bytes());
     // The raw entry shows the packing method before anything is unpacked.
-    let entry = zip.by_index_raw(*number).map_err(|error| damaged(&error))?;
+    let entry = zip.by_index_raw(*number).map_err(damage_of(file))?;
     let known = [CompressionMethod::Stored, CompressionMethod::Deflated].contains(&entry.compression());
     let (most, encrypted) = (most(entry.compressed_size().min(packed)), entry.encrypted());
     drop(entry);
     if encrypted || !known {
         return Err(refuse(format!("`{shown}` in the zip is encrypted or packed by another method than Deflate")));
     }
+    let entry = zip.by_index(*number).map_err(damage_of(file))?;
+    Ok(Some(Single { name: name.clone(), bytes: unpacked(entry, name, most, file)? }))
+}
+
+/// Returns a function from an error of the library to that of a damaged zip.
+fn damage_of<E: Display>(file: &Path) -> impl Fn(E) -> Error {
+    move |error| Error::input(file, None, format!("the zip is damaged or cut off: {error}"), UNPACK)
+}
+
+/// Returns the bytes of an entry; more than `most` are refused.
+fn unpacked(entry: impl Read, name: &str, most: u64, file: &Path) -> Result<Vec<u8>> {
     let mut plain = Vec::new();
-    let entry = zip.by_index(*number).map_err(|error| damaged(&error))?;
-    entry.take(most + 1).read_to_end(&mut plain).map_err(|error| damaged(&error))?;
+    entry.take(most + 1).read_to_end(&mut plain).map_err(damage_of(file))?;
     if plain.len() as u64 > most {
-        return Err(refuse(format!("`{shown}` in the zip unpacks to more than {most} bytes")));
+        let what = format!("`{}` in the zip unpacks to more than {most} bytes", excerpt(name.as_bytes()));
+        return Err(Error::input(file, None, what, UNPACK));
     }
-    Ok(Some(Single { name: name.clone(), bytes: plain }))
+    Ok(plain)
 }
 
 /// Parts of a shapefile.
@@ -85,8 +96,7 @@ pub fn shapefile(bytes: &[u8], file: &Path) -> Result<Option<ShapefileParts>> {
         return Ok(None);
     }
     let refuse = |what: String| Error::input(file, None, what, UNPACK);
-    let damaged = |error: &dyn std::fmt::Display| refuse(format!("the zip is damaged or cut off: {error}"));
-    let mut zip = ZipArchive::new(Cursor::new(bytes)).map_err(|error| damaged(&error))?;
+    let mut zip = ZipArchive::new(Cursor::new(bytes)).map_err(damage_of(file))?;
     let names: Vec<String> =
         zip.file_names().filter_map(|name| Some(name.ok()?.into_owned())).filter(|name| is_file(name)).collect();
     let ends = |name: &&String, ending: &str| name.to_lowercase().ends_with(ending);
@@ -106,14 +116,9 @@ pub fn shapefile(bytes: &[u8], file: &Path) -> Result<Option<ShapefileParts>> {
                 && name.get(stem.len()..).is_some_and(|end| end.eq_ignore_ascii_case(ending))
         });
         let Some(name) = wanted else { return Ok(None) };
-        let entry = zip.by_name(name).map_err(|error| damaged(&error))?;
+        let entry = zip.by_name(name).map_err(damage_of(file))?;
         let most = most(entry.compressed_size().min(bytes.len() as u64));
-        let mut plain = Vec::new();
-        entry.take(most + 1).read_to_end(&mut plain).map_err(|error| damaged(&error))?;
-        if plain.len() as u64 > most {
-            return Err(refuse(format!("`{}` in the zip unpacks to more than {most} bytes", excerpt(name.as_bytes()))));
-        }
-        Ok(Some(plain))
+        unpacked(entry, name, most, file).map(Some)
     };
     let shapes = part(".shp")?.unwrap_or_default();
     let (table, system) = (part(".dbf")?, part(".prj")?);

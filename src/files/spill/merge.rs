@@ -34,12 +34,7 @@ impl Plan {
         Plan { fan_in, buffer: Plan::buffer(budget, fan_in, largest_record) }
     }
 
-    /// Returns the buffer size of the last pass, larger if there are fewer runs than the budget has
-    /// room for.
-    fn of_last_pass(budget: usize, runs: usize, largest_record: usize) -> usize {
-        Plan::buffer(budget, runs, largest_record)
-    }
-
+    /// Returns the buffer size of a pass over `runs`: larger for fewer runs.
     fn buffer(budget: usize, runs: usize, largest_record: usize) -> usize {
         (budget / (runs + 1)).saturating_sub(largest_record).clamp(SMALLEST_BUFFER, LARGEST_BUFFER)
     }
@@ -82,7 +77,7 @@ impl Spilled {
     }
 
     fn last_merge(&self) -> Result<Merge> {
-        self.merge(&self.runs, Plan::of_last_pass(self.budget, self.runs.len(), self.largest_record))
+        self.merge(&self.runs, Plan::buffer(self.budget, self.runs.len(), self.largest_record))
     }
 }
 
@@ -223,7 +218,7 @@ mod tests {
                 let held = (plan.fan_in + 1) * (plan.buffer + largest);
                 assert!(held <= budget, "{budget}, records of {largest}: {plan:?} holds {held}");
                 for runs in 1..=plan.fan_in.min(300) {
-                    let buffer = Plan::of_last_pass(budget, runs, largest);
+                    let buffer = Plan::buffer(budget, runs, largest);
                     assert!((runs + 1) * (buffer + largest) <= budget, "{budget}, {largest}, {runs} runs");
                 }
             }

@@ -10,39 +10,30 @@ macro_rules! line {
 }
 
 pub mod atlas;
-pub mod audit;
 pub mod build;
 pub mod comfort;
 mod console;
 pub mod copy;
-pub mod energyplus;
 pub mod export;
 pub mod inspect;
 pub mod pv;
 pub mod receivers;
-pub mod repair;
 pub mod replay;
 pub mod run;
 mod scene;
 mod shells;
 mod starts;
 pub mod sunlight;
-pub mod tradeoff;
 pub mod transfer;
-pub mod update;
 pub mod view;
 mod weather;
-
-use std::path::{Path, PathBuf};
 
 use crate::cli::{Cli, CliCommand, EverywhereArgs};
 use console::terminal::Terminal;
 use console::voice::{self, Volume, remark, say, warn};
 use heliotile::cases::{Given, prepared};
-use heliotile::output::folder_of;
 use heliotile::requests::Request;
-use heliotile::tracing::Workspace;
-use heliotile::{Error, MemoryBudget, Provenance, Result, Scene, SceneRequest};
+use heliotile::{Error, Provenance, Result, Scene, SceneRequest};
 
 pub use console::interrupt::exit_code;
 pub use console::voice::aside as complain;
@@ -99,14 +90,4 @@ fn load_scene(request: &SceneRequest) -> Result<Scene> {
     let scene = Scene::load_site(&request.site()?)?;
     scene.report.tell(&Terminal::default());
     Ok(scene)
-}
-
-/// Returns a workspace with its temporary files in `folder`.
-fn workspace(folder: impl Into<PathBuf>, memory: MemoryBudget) -> Workspace {
-    Workspace { folder: folder.into(), memory }
-}
-
-/// Returns a workspace with its temporary files beside the output.
-fn workspace_beside(output: &Path, memory: MemoryBudget) -> Workspace {
-    workspace(folder_of(output), memory)
 }

@@ -1,11 +1,13 @@
-//! `heliotile run`: a year's sun from scene files in one go.
+//! Commands from scene files to results in one go: `heliotile run`, a year's sun; `heliotile
+//! energyplus`, an EnergyPlus model with the sun that its surroundings reflect; `heliotile
+//! tradeoff`, the cost of accuracy on the user's own site.
 
 use std::path::Path;
 
 use super::console::terminal::Terminal;
 use super::{Outcome, remark, say};
 use crate::cli::quoted;
-use heliotile::cases::Run;
+use heliotile::cases::{Energyplus, Run, Tradeoff};
 use heliotile::{Provenance, Resources, Result, RunDone, TimeShift, WeatherOptions};
 
 /// `heliotile run`.
@@ -15,6 +17,23 @@ pub fn run(args: &Run, about: Provenance) -> Result<Outcome> {
     let done = args.request.write(about, &resources)?;
     say(&format!("\nIrradiation through {}, kWh/m2 (means by area):\n{}", args.request.weather.display(), done.table))?;
     remark(summary(args, &done))?;
+    Ok(Outcome::Fine)
+}
+
+/// `heliotile energyplus`.
+pub fn energyplus(args: &Energyplus, _: Provenance) -> Result<Outcome> {
+    let terminal = Terminal::watching();
+    let resources = Resources::new(args.memory, &terminal);
+    args.request.write(&resources)?;
+    Ok(Outcome::Fine)
+}
+
+/// `heliotile tradeoff`.
+pub fn tradeoff(args: &Tradeoff, about: Provenance) -> Result<Outcome> {
+    let terminal = Terminal::default();
+    let resources = Resources::new(args.memory, &terminal);
+    let done = args.request.write(about, &resources, say)?;
+    say(&format!("{}: open it in a browser\n", done.page.display()))?;
     Ok(Outcome::Fine)
 }
 

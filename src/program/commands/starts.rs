@@ -1,8 +1,7 @@
 //! How each command starts. In: a command with the texts of its fields. Out: the command ran.
 
 use super::{
-    Outcome, atlas, audit, build, comfort, copy, energyplus, export, inspect, pv, receivers, repair, replay, run,
-    start, sunlight, tradeoff, transfer, update, view,
+    Outcome, atlas, build, comfort, copy, export, inspect, pv, receivers, replay, run, start, sunlight, transfer, view,
 };
 use heliotile::atlas::{PartitionRequest, VerifyRequest};
 use heliotile::cases::{self, *};
@@ -22,10 +21,10 @@ macro_rules! runs {
 runs![
     ("run", Run, run::run),
     ("pv", Pv, pv::run),
-    ("energyplus", Energyplus, energyplus::run),
+    ("energyplus", Energyplus, run::energyplus),
     ("receivers", Receivers, receivers::run),
     ("build", Build, build::run),
-    ("update", Update, update::run),
+    ("update", Update, transfer::update),
     ("replay", Replay, replay::replay),
     ("compare", Compare, replay::compare),
     ("sunlight", Sunlight, sunlight::run),
@@ -36,10 +35,10 @@ runs![
     ("places", Places, replay::places),
     ("info", Info, inspect::info),
     ("archive verify", VerifyRequest, inspect::verify),
-    ("archive audit", Audit, audit::run),
-    ("tradeoff", Tradeoff, tradeoff::run),
+    ("archive audit", Audit, transfer::audit),
+    ("tradeoff", Tradeoff, run::tradeoff),
     ("archive diff", Diff, transfer::diff),
-    ("archive repair", Repair, repair::run),
+    ("archive repair", Repair, transfer::repair),
     ("view", View, view::run),
     ("export", Export, export::run),
     ("archive extract", Extract, transfer::extract),

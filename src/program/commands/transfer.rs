@@ -1,14 +1,16 @@
-//! `heliotile archive extract`, `merge` and `diff`. In: archives. Out: a part of one, the union of
-//! two, or their differences.
+//! Commands on archives: `heliotile update`, and `heliotile archive extract`, `merge`, `diff`,
+//! `repair` and `audit`. In: archives. Out: an edited one, a part of one, the union of two, their
+//! differences, one without damage, or a check of the stated error.
 
 use super::console::terminal::Terminal;
-use super::{Outcome, remark, say, workspace_beside};
+use super::{Outcome, remark, say};
 use heliotile::archive::{Assembled, format, transfer};
 use heliotile::atlas::holding;
-use heliotile::cases::{Diff, Extract, Merge};
-use heliotile::output::{guard_archive, guard_output};
+use heliotile::cases::{Audit, Diff, Extract, Merge, Repair, Update};
+use heliotile::output::{folder_of, guard_archive, guard_output};
 use heliotile::text::counted;
-use heliotile::{Access, ExtractContent, Provenance, Result};
+use heliotile::tracing::Workspace;
+use heliotile::{Access, ExtractContent, Provenance, Resources, Result, Verdict};
 
 /// `heliotile archive merge`.
 pub fn merge(args: &Merge, _: Provenance) -> Result<Outcome> {
@@ -38,7 +40,7 @@ pub fn extract(args: &Extract, _: Provenance) -> Result<Outcome> {
     inputs.extend(args.receivers.receivers.as_deref());
     guard_output(&args.output, &inputs)?;
     guard_archive(&args.output)?;
-    let workspace = workspace_beside(&args.output, args.memory);
+    let workspace = Workspace { folder: folder_of(&args.output).into(), memory: args.memory };
     let receivers = args.receivers.selection();
     let archive = holding(&args.archive, receivers.as_ref(), args.io.unwrap_or(Access::Read), &workspace)?;
     let content = ExtractContent { scene: !args.no_scene, replay_only: args.replay_only };
@@ -65,4 +67,35 @@ pub fn diff(args: &Diff, _: Provenance) -> Result<Outcome> {
     let (is_equal, text) = args.found()?;
     say(&text)?;
     Ok(if is_equal { Outcome::Fine } else { Outcome::ProblemFound })
+}
+
+/// `heliotile update`.
+pub fn update(args: &Update, _: Provenance) -> Result<Outcome> {
+    let terminal = Terminal::watching();
+    let resources = Resources::new(args.memory, &terminal);
+    remark(args.request().write(&resources)?.text())?;
+    Ok(Outcome::Fine)
+}
+
+/// `heliotile archive repair`.
+pub fn repair(args: &Repair, _: Provenance) -> Result<Outcome> {
+    let terminal = Terminal::watching();
+    let resources = Resources::new(args.memory, &terminal);
+    remark(args.request.write(&resources)?.text())?;
+    Ok(Outcome::Fine)
+}
+
+/// `heliotile archive audit`: an error larger than the stated one is a finding (exit 1).
+pub fn audit(args: &Audit, about: Provenance) -> Result<Outcome> {
+    let terminal = Terminal::default();
+    let resources = Resources::new(args.memory, &terminal);
+    let report = args.request.run(&resources)?;
+    say(&report.text())?;
+    if let Some(folder) = &args.output {
+        say(&format!("{}: open it in a browser\n", report.write(folder, about)?.display()))?;
+    }
+    Ok(match report.verdict {
+        Verdict::Refuted => Outcome::ProblemFound,
+        Verdict::Holds | Verdict::NothingStated => Outcome::Fine,
+    })
 }

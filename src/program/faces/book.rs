@@ -28,12 +28,9 @@ fn file_of(command: &Command) -> String {
 }
 
 fn module() -> String {
-    let mut text = format!("// {MADE}\n#![doc = include_str!(\"commands.md\")]\n");
-    for command in COMMANDS {
-        let (file, module) = (file_of(command), command.name.replace(' ', "_"));
-        let _ = write!(text, "\n#[doc = include_str!(\"{file}.md\")]\npub mod {module} {{}}\n");
-    }
-    text
+    let line = |command: &Command| format!("    {} = \"{}.md\",\n", command.name.replace(' ', "_"), file_of(command));
+    let lines: String = COMMANDS.iter().map(line).collect();
+    format!("// {MADE}\n#![doc = include_str!(\"commands.md\")]\n\npages! {{\n{lines}}}\n")
 }
 
 fn list() -> String {

@@ -19,8 +19,8 @@ use heliotile::atlas::check_square;
 use heliotile::cases::{Extract, Factors, Replay};
 use heliotile::names::by_name;
 use heliotile::{
-    Access, FACTORS, FactorRows, LightSource, PartReceivers, Provenance, ReceiverChoice, Resources, Result, Selection,
-    Site, SiteOptions, SiteReplay,
+    Access, ExtractContent, FACTORS, FactorRows, LightSource, PartReceivers, Provenance, ReceiverChoice, Resources,
+    Result, Selection, Site, SiteOptions, SiteReplay,
 };
 
 /// An open archive, or open parts of an atlas, with the choice of which way is north. Several

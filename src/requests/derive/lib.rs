@@ -28,7 +28,7 @@ const UNITS: [&str; 7] = ["_w_m2_sr", "_w_m2", "_percent", "_deg", "_m2", "_m", 
 /// | `name = ".."` | name in faces; default: that of the field without its unit |
 /// | `python = ".."`, `short = 'w'`, `metavar = ".."`, `positional` | name in Python; short option; placeholder; an argument without an option |
 /// | `input = Kind`, `output = Kind`, `neutral` | a file that is read or written; a field that changes no values |
-/// | `default = ".."`, `required` | text of the default; no default |
+/// | `default = ".."`, `required` | text of the default, or the default itself if it is no text; no default |
 /// | `negated = "no_scene"` | option that makes a field false whose default is true |
 /// | `delimiter = ','`, `several`, `hyphen` | separator of values; several values behind one option; values may begin with `-` |
 /// | `requires(..)`, `conflicts(..)` | names of other fields |
@@ -42,6 +42,15 @@ const UNITS: [&str; 7] = ["_w_m2_sr", "_w_m2", "_percent", "_deg", "_m2", "_m", 
 pub fn derive(input: TokenStream) -> TokenStream {
     let input = parse_macro_input!(input as DeriveInput);
     expand(&input).unwrap_or_else(Error::into_compile_error).into()
+}
+
+/// Implements `Default` for a request: each field that states a default has it, a flag that is
+/// `negated` is true, and any other field has the default of its type. A test of each command
+/// compares the texts of defaults with the values.
+#[proc_macro_derive(DefaultRequest, attributes(field, request))]
+pub fn derive_default(input: TokenStream) -> TokenStream {
+    let input = parse_macro_input!(input as DeriveInput);
+    expand_default(&input).unwrap_or_else(Error::into_compile_error).into()
 }
 
 /// Makes a message of a text as `format!` takes it, which names fields of requests and commands in
@@ -123,8 +132,9 @@ fn expand(input: &DeriveInput) -> Result<Tokens> {
     }
     let (ident, own) = (&input.ident, &about.groups);
     let (also, skips) = (about.also.iter(), about.skips.iter());
+    let (generics, types, bounds) = input.generics.split_for_impl();
     Ok(quote! {
-        impl ::heliotile_requests::Request for #ident {
+        impl #generics ::heliotile_requests::Request for #ident #types #bounds {
             fn rows() -> Vec<::heliotile_requests::Row> {
                 let mut rows = Vec::new();
                 #(#rows)*
@@ -148,6 +158,26 @@ fn expand(input: &DeriveInput) -> Result<Tokens> {
                 #(#also(self, each);)*
             }
             #(fn skips(&self) -> Vec<&'static str> { #skips(self) })*
+        }
+    })
+}
+
+fn expand_default(input: &DeriveInput) -> Result<Tokens> {
+    let Data::Struct(data) = &input.data else {
+        return Err(Error::new_spanned(&input.ident, "a request is a struct with named fields"));
+    };
+    let mut values = Vec::new();
+    for field in &data.fields {
+        let (Some(ident), of) = (&field.ident, FieldAttribute::new(field)?) else { continue };
+        let value = of.default_value(&field.ty);
+        values.push(quote!(#ident: #value));
+    }
+    let ident = &input.ident;
+    Ok(quote! {
+        impl ::std::default::Default for #ident {
+            fn default() -> Self {
+                #ident { #(#values),* }
+            }
         }
     })
 }
@@ -331,6 +361,30 @@ impl FieldAttribute {
                 quote!(|text: &str| (#parse)(text).map_err(|_| ::heliotile_requests::Wrong::from(#says)))
             }
             (None, None) => parse,
+        }
+    }
+
+    /// Returns the value of a field of which nothing is given.
+    fn default_value(&self, ty: &Type) -> Tokens {
+        let (many, one) = shape(ty);
+        let (read, delimiter) = (self.read(one), self.delimiter.iter());
+        let other = self.defaults.chunks_exact(2).map(|pair| quote!((#(#pair),*)));
+        match (&self.default, many) {
+            (Some(Expr::Lit(ExprLit { lit: Lit::Str(text), .. })), Many::One) => {
+                quote!((#read)(#text).unwrap_or_default())
+            }
+            (Some(text), Many::List) => quote!(#text #(.split(#delimiter))*.flat_map(#read).collect()),
+            (Some(value), Many::One) => quote!(#value),
+            (None, Many::Flag) if self.negated.is_some() => quote!(true),
+            _ if !self.defaults.is_empty() => quote! {{
+                let mut inside = #ty::default();
+                for (name, text) in [#(#other),*] {
+                    // The text is a constant, and a test fills it in.
+                    let _ = ::heliotile_requests::Request::fill(&mut inside, name, &[text.to_owned()]);
+                }
+                inside
+            }},
+            _ => quote!(::std::default::Default::default()),
         }
     }
 

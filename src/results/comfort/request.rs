@@ -1,11 +1,10 @@
 //! Request for the thermal comfort of people. In: the choices of a user. Out: these choices as one
 //! value that was checked.
 
+use std::fmt;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
-
-use serde::{Deserialize, Serialize};
 
 use crate::files::OutputRequest;
 use crate::outputs::periods::Every;
@@ -13,14 +12,13 @@ use crate::request::ReplayRequest;
 use heliotile_comfort::mean_radiant::RadiantBody;
 use heliotile_comfort::people::columns::ComfortColumn;
 use heliotile_comfort::people::model::{ComfortModel, SunOnPerson, SurfaceModel};
-use heliotile_comfort::people::periods::PeriodSum;
 use heliotile_comfort::pet::{PetPerson, PetPosture};
 use heliotile_comfort::surroundings::{MIN_FILM_W_M2_K, SeenSurfaces, SurfaceMean, USUAL_FILM_W_M2_K};
 use heliotile_core::error::{Error, Result, check_ranges};
 use heliotile_core::named::NamedValues;
 use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::site::material::{Class, Material, rounded};
-use heliotile_requests::Request;
+use heliotile_requests::{DefaultRequest, Parse, Request};
 
 /// Allowed heat transfer coefficients of surfaces, W/m2K.
 const FILMS_W_M2_K: RangeInclusive<f64> = MIN_FILM_W_M2_K..=200.0;
@@ -41,7 +39,7 @@ pub struct ComfortRequest {
 }
 
 /// Properties of people, surfaces and wind.
-#[derive(Clone, Debug, Request)]
+#[derive(Clone, Debug, Request, DefaultRequest)]
 pub struct ComfortChoice {
     /// Columns to write, in this order: some of mrt, utci, pet, air, wind, shortwave and longwave
     /// (six planes each) [default: mrt,utci,pet].
@@ -60,7 +58,7 @@ pub struct ComfortChoice {
     #[field(default = "sol-air")]
     pub surfaces: SurfaceTemperatures,
     /// Heat transfer coefficient between surfaces and air, radiation included, W/m2K.
-    #[field(name = "film", metavar = "W/M2K", default = ComfortChoice::default().film_w_m2_k, range = FILMS_W_M2_K, says = "give 10 to 200 W/m2K, usually 10 in calm air and 25 in wind; it includes the radiation of surfaces")]
+    #[field(name = "film", metavar = "W/M2K", default = USUAL_FILM_W_M2_K, range = FILMS_W_M2_K, says = "give 10 to 200 W/m2K, usually 10 in calm air and 25 in wind; it includes the radiation of surfaces")]
     pub film_w_m2_k: f64,
     /// Longwave emissivity of `ground` or `obstruction`; may be repeated [default: what their
     /// materials state, else ground=0.95, obstruction=0.9].
@@ -74,24 +72,6 @@ pub struct ComfortChoice {
     /// --schedule with a column `wind_m_s`.
     #[field(metavar = "FACTOR|FILE", default = "1", input = Any)]
     pub wind: WindChoice,
-}
-
-impl Default for ComfortChoice {
-    /// Returns standing people among surfaces of sol-air temperatures, in the wind of the weather
-    /// file.
-    fn default() -> Self {
-        ComfortChoice {
-            columns: Vec::new(),
-            above_c: PeriodSum::usual_thresholds_c().to_vec(),
-            posture: Posture::default(),
-            sun_on: SunOnPerson::default(),
-            surfaces: SurfaceTemperatures::default(),
-            film_w_m2_k: USUAL_FILM_W_M2_K,
-            emissivity: Vec::new(),
-            absorptance: Vec::new(),
-            wind: WindChoice::default(),
-        }
-    }
 }
 
 /// Posture of a person.
@@ -115,8 +95,7 @@ pub enum SurfaceTemperatures {
 }
 
 /// Share for a class of surfaces, written as in `ground=0.95`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "String", into = "String")]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClassShare {
     /// Class of surfaces that has this share.
     pub class: Class,
@@ -125,8 +104,7 @@ pub struct ClassShare {
 }
 
 /// Source of the wind, written as `0.7` or as the name of a file.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "String", into = "String")]
+#[derive(Clone, Debug, PartialEq)]
 pub enum WindChoice {
     /// Wind of the weather file, times a factor.
     Factor(f64),
@@ -166,34 +144,18 @@ impl FromStr for ClassShare {
     }
 }
 
-impl TryFrom<String> for WindChoice {
-    type Error = String;
-
-    fn try_from(text: String) -> std::result::Result<Self, String> {
-        text.parse()
-    }
-}
-
-impl From<WindChoice> for String {
-    fn from(wind: WindChoice) -> String {
-        match wind {
-            WindChoice::Factor(factor) => factor.to_string(),
-            WindChoice::File(file) => file.display().to_string(),
+impl fmt::Display for WindChoice {
+    fn fmt(&self, to: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            WindChoice::Factor(factor) => write!(to, "{factor}"),
+            WindChoice::File(file) => write!(to, "{}", file.display()),
         }
     }
 }
 
-impl TryFrom<String> for ClassShare {
-    type Error = String;
-
-    fn try_from(text: String) -> std::result::Result<Self, String> {
-        text.parse()
-    }
-}
-
-impl From<ClassShare> for String {
-    fn from(share: ClassShare) -> String {
-        format!("{}={}", share.class.name(), share.share)
+impl fmt::Display for ClassShare {
+    fn fmt(&self, to: &mut fmt::Formatter) -> fmt::Result {
+        write!(to, "{}={}", self.class.name(), self.share)
     }
 }
 
@@ -227,11 +189,7 @@ impl ComfortRequest {
 
     /// Returns the files that are read besides archives.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
-        let wind = match &self.choice.wind {
-            WindChoice::File(file) => Some(file.as_path()),
-            WindChoice::Factor(_) => None,
-        };
-        self.replay.files().chain(wind)
+        self.replay.files().chain(self.choice.wind.path())
     }
 
     /// Returns the replay that gives the light of each hour, with the air.
@@ -340,11 +298,7 @@ heliotile_core::parse_by_name!(Posture, SurfaceTemperatures);
 
 heliotile_requests::parse_by_text!(ClassShare: heliotile_requests::Form::TEXT);
 
-impl heliotile_requests::Parse for WindChoice {
-    fn form() -> heliotile_requests::Form {
-        heliotile_requests::Form::TEXT
-    }
-
+impl Parse for WindChoice {
     fn parse(text: &str) -> std::result::Result<Self, heliotile_requests::Wrong> {
         Ok(text.parse::<Self>()?)
     }
@@ -353,3 +307,5 @@ impl heliotile_requests::Parse for WindChoice {
         if let WindChoice::File(file) = self { Some(file) } else { None }
     }
 }
+
+heliotile_core::serde_by_text!(ClassShare, WindChoice);

@@ -6,7 +6,6 @@
 //! both sides are replayed. Values after wait in sorted runs, which go to temporary files if they
 //! do not fit into memory, until the same receivers come before.
 
-mod doubts;
 mod pass;
 mod summary;
 mod tally;

@@ -3,10 +3,11 @@
 
 use std::path::{Path, PathBuf};
 
+use super::CompareRequest;
 use super::summary::{CompareSummary, unmatched_table};
 use super::variant::{BeforePlaces, Variant, VariantReplay};
-use super::{CompareRequest, doubts};
 use crate::archives::{Archives, Sources};
+use crate::doubts::{check_one_site, preview};
 use crate::files::{OutputRequest, Question, RowsAbout, name_of, write_rows};
 use crate::outputs::periods::Every;
 use crate::outputs::provenance::Provenance;
@@ -15,11 +16,14 @@ use crate::receivers::{ReceiverChoice, ReceiverSet};
 use crate::request::LightRequest;
 use crate::series::{Coarsening, Series};
 use crate::stream::{Tile, TileSink, TileStream};
+use heliotile_archives::transfer::differences;
 use heliotile_core::error::Result;
 use heliotile_core::memory::Use;
+use heliotile_core::observer::Observer;
 use heliotile_core::replay::components::{ComponentList, ComponentSet};
 use heliotile_core::replay::values::TileValues;
 use heliotile_core::site::receiver::Receiver;
+use heliotile_core::text::listed;
 
 /// Site before a change, ready to be replayed.
 pub struct BeforeSide<'a> {
@@ -63,7 +67,7 @@ impl CompareRequest {
         // Archives after are replayed first: receivers before without a match need no replay then.
         for (place, name) in self.after.iter().zip(names(&self.after)) {
             let sources = open(place)?;
-            doubts::tell(before.archives, before.place, sources.borrowed(), place, stream.resources.observer)?;
+            tell(before.archives, before.place, sources.borrowed(), place, stream.resources.observer)?;
             variants.push(replay.run(name, place, sources.borrowed(), &mut places)?);
             opened.push(sources);
         }
@@ -194,4 +198,38 @@ impl TileSink for PassSink<'_, '_> {
         }
         Ok(wants_more)
     }
+}
+
+/// Largest number of differing settings that a warning names.
+const NAMED: usize = 6;
+
+/// Refuses archives of another place than those before. Warns of differences other than the scene
+/// that may change the light.
+fn tell(before: Archives, before_place: &Path, after: Archives, place: &Path, observer: &dyn Observer) -> Result<()> {
+    check_one_site(before.first(), after.first())?;
+    let names = [before_place, place].map(name_of);
+    if before.iter().count() == after.iter().count()
+        && before.iter().zip(after.iter()).all(|(a, b)| a.root() == b.root())
+    {
+        observer.note(format!("{} and {}: the archives are equal", names[0], names[1]));
+        return Ok(());
+    }
+    after.iter().filter_map(preview).for_each(|text| observer.warn(&text));
+    let found = differences(before.first(), after.first())?;
+    let settings = found.iter().filter(|one| one.item.starts_with("settings."));
+    let named: Vec<String> = settings
+        .map(|one| {
+            let item = one.item.trim_start_matches("settings.");
+            format!("{item} {} and {}", one.values[0], one.values[1])
+        })
+        .collect();
+    if !named.is_empty() {
+        observer.warn(format!(
+            "{} and {} were built with different settings ({}): changes include the effect of the settings",
+            names[0],
+            names[1],
+            listed(named.iter().take(NAMED), named.len())
+        ));
+    }
+    Ok(())
 }

@@ -10,7 +10,7 @@ use crate::outputs::tables::layout::Layout;
 use crate::outputs::tables::records::Records;
 use crate::outputs::tables::table::Cell;
 use heliotile_core::replay::components::Component;
-use heliotile_core::text::counted;
+use heliotile_core::text::{counted, listed};
 
 /// Archives after in comparison with one before.
 #[derive(Clone, Debug)]
@@ -133,8 +133,7 @@ impl VariantSummary {
             format!("{} to {}: {} in both{moved}", summary.before, self.name, counted(self.receivers.all, "receiver"));
         for ((side, count), named) in ["before", "after"].into_iter().zip(self.only).zip(&self.named) {
             if count > 0 {
-                let more = if count > named.len() as u64 { ", ..." } else { "" };
-                text += &format!("; {count} only {side}: {}{more}", named.join(", "));
+                text += &format!("; {count} only {side}: {}", listed(named, count as usize));
             }
         }
         let percent = self.change_percent().map_or(String::new(), |percent| format!(" ({percent:+.1} %)"));

@@ -22,7 +22,7 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::ComponentList;
 use heliotile_core::text::{Message, message};
 use heliotile_files::writing::guards::guard_output;
-use heliotile_requests::Request;
+use heliotile_requests::{DefaultRequest, Request};
 
 pub use charts::AreaChart;
 pub use city_model::CityModelSink;
@@ -31,7 +31,7 @@ pub use map::{crs_of, surroundings};
 pub use rows::{MapFile, ResultSink, RowFiles, RowsAbout, groups_of, rows_of, write_rows};
 
 /// Files that results are written to.
-#[derive(Clone, Debug, Request)]
+#[derive(Clone, Debug, Request, DefaultRequest)]
 pub struct OutputRequest {
     /// Table or map, in a format by the ending of its name; `-`: CSV on standard output, or nothing
     /// if there are plots.
@@ -67,17 +67,10 @@ pub struct OutputRequest {
     pub honeybee: Option<PathBuf>,
 }
 
-impl Default for OutputRequest {
-    fn default() -> Self {
-        OutputRequest::new("-")
-    }
-}
-
 impl OutputRequest {
     /// Returns a request for a table or a map of receivers.
     pub fn new(output: impl Into<PathBuf>) -> Self {
-        let (output, by) = (output.into(), By::Receiver);
-        OutputRequest { output, by, positions: false, geo: false, plots: Vec::new(), model: None, honeybee: None }
+        OutputRequest { output: output.into(), ..OutputRequest::default() }
     }
 
     /// Refuses files that cannot hold such results, and files that would replace an input, before

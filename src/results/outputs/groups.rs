@@ -16,7 +16,7 @@ use heliotile_core::replay::components::Component;
 use heliotile_core::replay::values::TileValues;
 use heliotile_core::site::north::North;
 use heliotile_core::site::receiver::Receiver;
-use heliotile_core::text::message;
+use heliotile_core::text::{FirstNames, message};
 
 /// Number of groups that become one tile of a table.
 const GROUPS_AT_ONCE: usize = 64;
@@ -24,9 +24,6 @@ const GROUPS_AT_ONCE: usize = 64;
 /// Least length of the mean of unit normals of surfaces that face one way. The mean has this length
 /// if normals spread by about 25 degrees: on terrain, but not on all walls of a house.
 pub const ONE_WAY: f64 = 0.9;
-
-/// Largest number of receivers that a message names.
-const NAMED: usize = 3;
 
 /// Groups of receivers, with the group and the weight of each receiver.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -84,16 +81,13 @@ impl Groups {
     pub fn new(receivers: impl Iterator<Item = Result<Receiver>>, by: By, file: &Path) -> Result<Self> {
         let mut found: BTreeMap<String, Found> = BTreeMap::new();
         let (mut places, mut areas) = (Vec::new(), Vec::new());
-        let (mut homeless, mut count) = (Vec::new(), 0_u64);
+        let mut homeless = FirstNames::<3>::default();
         for receiver in receivers {
             let receiver = receiver?;
             let name = name_of(&receiver, by);
             let Receiver { id, area, normal, .. } = receiver;
             let Some(name) = name else {
-                count += 1;
-                if homeless.len() < NAMED {
-                    homeless.push(id);
-                }
+                homeless.add(|| id);
                 continue;
             };
             let next = found.len() as u32;
@@ -106,10 +100,9 @@ impl Groups {
             places.push(surface.number);
             areas.push(area.unwrap_or_default());
         }
-        if count > 0 {
-            let more = if count > NAMED as u64 { ", ..." } else { "" };
+        if homeless.count > 0 {
             let column = by.name();
-            let what = format!("{count} receivers have no {column}: {}{more}", homeless.join(", "));
+            let what = format!("{} receivers have no {column}: {}", homeless.count, homeless.listed());
             let hint =
                 message!("choose those that have one with {{receivers}}, or build with names in the column `{column}`");
             return Err(Error::input(file, None, what, hint));

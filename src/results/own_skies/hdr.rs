@@ -7,7 +7,6 @@
 
 use std::path::Path;
 
-use super::pixels::{Pixels, check_sides};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::text::excerpt;
 use heliotile_weather::skies::luminance;
@@ -133,6 +132,28 @@ fn flat(bytes: &[u8], width: usize) -> Option<(Vec<[u8; 4]>, &[u8])> {
     let (pixels, _) = line.as_chunks::<4>();
     let is_run = |pixel: &[u8; 4]| pixel.starts_with(&[1, 1, 1]);
     (!pixels.iter().any(is_run)).then(|| (pixels.to_vec(), behind))
+}
+
+/// Pixels of a picture, one number each.
+pub(super) struct Pixels {
+    pub width: usize,
+    pub height: usize,
+    /// Levels, `[row][column]`, from the top left.
+    pub levels: Vec<f64>,
+    /// True if levels come from a display encoding, from 0 to 1.
+    pub are_coded: bool,
+}
+
+/// Largest side of a picture, pixels.
+const MAX_SIDE: usize = 8192;
+
+/// Refuses sides beyond what memory is planned for.
+pub(super) fn check_sides(path: &Path, width: usize, height: usize) -> Result<()> {
+    if width.max(height) <= MAX_SIDE {
+        return Ok(());
+    }
+    let what = format!("the picture has {width} x {height} pixels, and at most {MAX_SIDE} a side are supported");
+    Err(Error::input(path, None, what, "scale the picture down"))
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use std::path::Path;
 use exr::prelude::{ReadChannels, ReadLayers, read};
 
 use super::hdr;
-use super::pixels::{Pixels, check_sides};
+use super::hdr::{Pixels, check_sides};
 use heliotile_core::dome::image::DomeImage;
 use heliotile_core::error::{Error, Result};
 use heliotile_weather::skies::{PatchQuantity, luminance};

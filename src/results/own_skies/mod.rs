@@ -4,7 +4,6 @@
 
 mod hdr;
 mod images;
-mod pixels;
 
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -276,19 +275,7 @@ impl Default for SkyChoice {
     }
 }
 
-impl heliotile_requests::Parse for SkyChoice {
-    fn form() -> heliotile_requests::Form {
-        heliotile_requests::Form::TEXT
-    }
-
-    fn parse(text: &str) -> std::result::Result<Self, Wrong> {
-        text.parse()
-    }
-
-    fn path(&self) -> Option<&Path> {
-        self.file()
-    }
-}
+heliotile_requests::parse_by_text!(SkyChoice: heliotile_requests::Form::TEXT => SkyChoice::file);
 
 #[cfg(test)]
 mod tests {

@@ -319,16 +319,11 @@ fn planes(facets: &[Facet], triangles: &[[DVec3; 3]]) -> Vec<Vec<usize>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Scene;
-    use crate::site::{Part, SceneFiles};
+    use crate::test_files::load_text;
     use heliotile_core::site::material::Glass;
 
     fn find(obj: &str) -> Surfaces {
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = folder.path().join("town.obj");
-        std::fs::write(&path, obj).expect("written");
-        let site = SceneFiles { parts: vec![Part::plain(&path, None)], ..SceneFiles::default() };
-        let (scene, soup) = Scene::load_with_objects(&site).expect("a scene");
+        let (scene, soup) = load_text("town.obj", obj).expect("a scene");
         Surfaces::find(&soup, &scene.materials)
     }
 

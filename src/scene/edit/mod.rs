@@ -6,6 +6,8 @@ mod names;
 
 heliotile_requests::parse_by_text!(ObjectMove: Form::TEXT, ObjectHeight: Form::TEXT, ObjectMaterial: Form::TEXT);
 
+heliotile_core::serde_by_text!(NewHeight);
+
 #[cfg(test)]
 mod tests;
 
@@ -66,8 +68,7 @@ pub struct ObjectHeight {
 }
 
 /// New height of an object; as text `+3m`, `-3m` or `12m`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "String", into = "String")]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum NewHeight {
     /// Change of the height, metres.
     By(f64),
@@ -188,20 +189,6 @@ impl FromStr for NewHeight {
             Ok(metres) if metres.is_finite() && metres > 0.0 => Ok(NewHeight::To(metres)),
             _ => Err(format!("`{text}` is not a height, such as +3m, -3m or 12m")),
         }
-    }
-}
-
-impl TryFrom<String> for NewHeight {
-    type Error = String;
-
-    fn try_from(text: String) -> std::result::Result<Self, String> {
-        text.parse()
-    }
-}
-
-impl From<NewHeight> for String {
-    fn from(height: NewHeight) -> String {
-        height.to_string()
     }
 }
 

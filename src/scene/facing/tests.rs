@@ -9,6 +9,7 @@ use glam::DVec3;
 use crate::Scene;
 use crate::covering::surfaces::Surfaces;
 use crate::site::{Part, SceneFiles};
+use crate::test_files::{TestFolder, areas_m2, load_text};
 use heliotile_core::hemisphere::{mix, unit};
 use heliotile_core::site::semantics::SurfaceKind;
 
@@ -222,11 +223,7 @@ fn city(count: usize) -> (String, Vec<(String, Areas)>) {
 
 /// Returns the areas of a scene file by object and kind, m2, and the warnings.
 fn areas(name: &str, text: &str) -> (BTreeMap<String, Areas>, Vec<String>) {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join(name);
-    std::fs::write(&path, text).expect("written");
-    let site = SceneFiles { parts: vec![Part::plain(&path, None)], ..SceneFiles::default() };
-    let (scene, soup) = Scene::load_with_objects(&site).expect("a scene");
+    let (scene, soup) = load_text(name, text).expect("a scene");
     let surfaces = Surfaces::find(&soup, &scene.materials);
     let mut found: BTreeMap<String, Areas> = BTreeMap::new();
     for surface in &surfaces.list {
@@ -323,11 +320,7 @@ fn a_house_is_turned_outwards_and_a_street_is_not() {
     ];
     let text = street.iter().map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect::<String>()
         + "o street\nf 1 2 3 4\nf 5 8 7 6\n";
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("street.obj");
-    std::fs::write(&path, text).expect("written");
-    let site = SceneFiles { parts: vec![Part::plain(&path, None)], ..SceneFiles::default() };
-    let (scene, soup) = Scene::load_with_objects(&site).expect("a scene");
+    let (scene, soup) = load_text("street.obj", &text).expect("a scene");
     let found = Surfaces::find(&soup, &scene.materials);
     let to_street = |x: f64, normal: f64| if x < 4.0 { normal > 0.99 } else { normal < -0.99 };
     let area: f64 = found.list.iter().filter(|s| to_street(s.triangles[0][0].x, s.normal.x)).map(|s| s.area_m2).sum();
@@ -411,9 +404,8 @@ fn flat_outlines_are_no_roofs() {
     let (found, warnings) = areas("town.city.json", &model(&[outline, &house].join(","), &beside));
     assert_eq!(found.keys().collect::<Vec<_>>(), ["house"]);
     assert!(warnings.iter().any(|w| w.contains("1 left out as flat outlines of buildings (LoD 0)")), "{warnings:?}");
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("flat.city.json");
-    std::fs::write(&path, model(outline, "")).expect("written");
+    let folder = TestFolder::new();
+    let path = folder.write("flat.city.json", model(outline, ""));
     let load = |lod: Option<&str>| {
         let part = Part { lod: lod.map(str::to_owned), ..Part::plain(&path, None) };
         Scene::load_site(&SceneFiles { parts: vec![part], ..SceneFiles::default() })
@@ -445,17 +437,10 @@ fn crossed_outlines_are_put_in_order_or_named() {
 #[test]
 fn a_house_with_other_diagonals_counts_once() {
     let text = include_str!("../../../tests/data/footprints/cases/same_house_other_diagonal.obj");
-    let folder = tempfile::tempdir().expect("a folder");
     let areas = |text: &str| {
-        let file = folder.path().join("house.obj");
-        std::fs::write(&file, text).expect("written");
-        let site = SceneFiles { parts: vec![Part::plain(&file, None)], ..SceneFiles::default() };
-        let (scene, soup) = Scene::load_with_objects(&site).expect("a scene");
-        let surfaces = Surfaces::find(&soup, &scene.materials);
-        let of = |kind: SurfaceKind| -> f64 {
-            surfaces.list.iter().filter(|surface| surface.kind == kind).map(|surface| surface.area_m2).sum()
-        };
-        (of(SurfaceKind::Roof).round(), of(SurfaceKind::Wall).round(), scene.report.warnings)
+        let (scene, soup) = load_text("house.obj", text).expect("a scene");
+        let [roof, walls] = areas_m2(&scene, &soup).map(f64::round);
+        (roof, walls, scene.report.warnings)
     };
     let (mut faces, others): (Vec<&str>, Vec<&str>) = text.lines().partition(|line| line.starts_with("f "));
     let (roof, walls, warnings) = areas(text);

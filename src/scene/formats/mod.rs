@@ -24,10 +24,6 @@ mod projections;
 mod read_options;
 mod sidecar;
 mod stl;
-#[cfg(test)]
-mod test_cases;
-#[cfg(test)]
-mod test_solids;
 mod tiff_directory;
 mod unread;
 mod wkt;
@@ -113,11 +109,6 @@ pub fn format_of_name(path: &Path) -> Option<&'static str> {
 }
 
 impl Format {
-    /// Returns true for the mesh formats, which do not fix an up axis.
-    fn is_any_mesh(self) -> bool {
-        matches!(self, Format::Gltf | Format::Obj | Format::Ply | Format::Stl)
-    }
-
     /// Returns true if files of this format are plain text, which may be UTF-16.
     fn is_text(self) -> bool {
         !matches!(self, Format::GeoTiff | Format::Gltf | Format::Ply | Format::Stl)
@@ -149,7 +140,7 @@ impl Format {
 pub(super) fn read(path: &Path, asked: &ReadOptions) -> Result<Content> {
     let mut ending = input::ending(path);
     let known = |ending: &str| ENDINGS.iter().find(|(known, _)| *known == ending).map(|(_, format)| *format);
-    let packed = is_zip(path);
+    let packed = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("zip"));
     if known(&ending).is_none() && !packed {
         input::check(path)?;
         return Err(unknown_ending(path, &ending));
@@ -197,7 +188,8 @@ pub(super) fn read(path: &Path, asked: &ReadOptions) -> Result<Content> {
         Format::Ply => ply::parse(&bytes, path),
         Format::Stl => stl::parse(&bytes, path),
     }?;
-    if format.is_any_mesh() {
+    // Formats of meshes fix no axis that points up.
+    if matches!(format, Format::Gltf | Format::Obj | Format::Ply | Format::Stl) {
         geometry.local_frame = to_local(&mut geometry.vertices, asked.local_frame);
         if let Some(frame) = geometry.local_frame {
             geometry.reference = Some(frame.reference());
@@ -234,10 +226,6 @@ fn finished(mut geometry: Geometry) -> Result<Content> {
     // Names of some CityJSON faces depend on their tilt, which is final only now.
     cityjson::name_by_tilt(&mut geometry);
     Ok(Content::Polygons(Box::new(geometry)))
-}
-
-fn is_zip(path: &Path) -> bool {
-    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("zip"))
 }
 
 fn unknown_ending(path: &Path, ending: &str) -> Error {

@@ -2,8 +2,8 @@
 //! message.
 
 use super::*;
-use crate::formats::test_solids::{area_and_volume, cube};
 use crate::polygon::triangulate;
+use crate::test_files::{area_and_volume, cube};
 
 fn parse(bytes: &[u8]) -> Result<Geometry> {
     super::parse(bytes, Path::new("town.ply"))

@@ -225,7 +225,7 @@ fn three(text: &[u8]) -> Option<DVec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::formats::test_solids::{area_and_volume, cube};
+    use crate::test_files::{area_and_volume, cube};
 
     fn parse(bytes: &[u8]) -> Result<Geometry> {
         super::parse(bytes, Path::new("town.stl"))

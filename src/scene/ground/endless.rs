@@ -62,16 +62,15 @@ impl EndlessGround {
 #[cfg(test)]
 mod tests {
     use crate::Scene;
+    use crate::test_files::TestFolder;
 
     const BOX: &str = "v 0 0 2\nv 4 0 2\nv 4 6 2\nv 0 6 2\nv 0 0 5\nv 4 0 5\nv 4 6 5\nv 0 6 5\nusemtl roof\nf 5 6 7 8\nusemtl wall\n\
                        f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
 
     fn load(obj: &str, toml: &str) -> Scene {
-        let folder = tempfile::tempdir().expect("a folder");
-        let (obj_path, toml_path) = (folder.path().join("s.obj"), folder.path().join("m.toml"));
-        std::fs::write(&obj_path, obj).expect("written");
-        std::fs::write(&toml_path, format!("[roof]\ndiffuse = 0.2\n[wall]\ndiffuse = 0.3\n{toml}")).expect("written");
-        Scene::load(&obj_path, Some(&toml_path)).expect("a scene")
+        let folder = TestFolder::new();
+        let materials = folder.write("m.toml", format!("[roof]\ndiffuse = 0.2\n[wall]\ndiffuse = 0.3\n{toml}"));
+        Scene::load(&folder.write("s.obj", obj), Some(&materials)).expect("a scene")
     }
 
     /// The plane equals two triangles of 40,006 m in the OBJ file, at the lowest point or at a

@@ -1,10 +1,11 @@
 //! Tests of scenes with and without ground, in several formats.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use crate::Scene;
 use crate::site::{MissingGround, Part, SceneFiles};
+use crate::test_files::TestFolder;
 
 /// A box of 4 x 6 x 3 m at 2 m, and below it a floor of the material `ground`.
 const BOX: &str = "v 0 0 2\nv 4 0 2\nv 4 6 2\nv 0 6 2\nv 0 0 5\nv 4 0 5\nv 4 6 5\nv 0 6 5\nusemtl roof\nf 5 6 7 8\nusemtl wall\n\
@@ -12,20 +13,6 @@ const BOX: &str = "v 0 0 2\nv 4 0 2\nv 4 6 2\nv 0 6 2\nv 0 0 5\nv 4 0 5\nv 4 6 5
 const LAWN: &str = "v -9 -9 2\nv 9 -9 2\nv 9 9 2\nv -9 9 2\nusemtl grass\nf -4 -3 -2 -1\n";
 const MODEL: &str = "Version,25.2; GlobalGeometryRules,UpperLeftCorner,Counterclockwise,World;\n\
                      Site:GroundReflectance,0.4,0.2,0.2,0.2,0.2,0.2,0.2,0.2,0.2,0.2,0.2,0.4; Shading:Site:Detailed,S,,3, 0,9,1, 1,9,1, 1,9,2;\n";
-
-struct Folder(tempfile::TempDir);
-
-impl Folder {
-    fn new() -> Self {
-        Folder(tempfile::tempdir().expect("a folder"))
-    }
-
-    fn write(&self, name: &str, text: &str) -> PathBuf {
-        let path = self.0.path().join(name);
-        fs::write(&path, text).expect("written");
-        path
-    }
-}
 
 fn load(files: &[&Path], materials: Option<&Path>) -> Scene {
     let parts = files.iter().map(|file| Part::plain(file, materials)).collect();
@@ -45,7 +32,7 @@ fn plane(scene: &Scene) -> (f64, Option<f64>) {
 /// precedence, and a scene for which no ground is requested gets none.
 #[test]
 fn a_scene_without_ground_gets_a_plane() {
-    let folder = Folder::new();
+    let folder = TestFolder::new();
     let bare = folder.write("bare.obj", BOX);
     let scene = load(&[&bare], None);
     assert_eq!((plane(&scene), scene.mesh.triangles.len()), ((1.99, Some(0.2)), 14));
@@ -71,7 +58,7 @@ fn a_scene_without_ground_gets_a_plane() {
 /// took the plane away, and walls got 785 of 912 kWh/m2.
 #[test]
 fn a_road_does_not_take_the_plane_away() {
-    let folder = Folder::new();
+    let folder = TestFolder::new();
     let land = |[x, y]: [[i32; 2]; 2], z: i32| {
         let corners = [[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], [x[0], y[1]]];
         let corners: String = corners.iter().map(|[x, y]| format!("v {x} {y} {z}\n")).collect();
@@ -99,7 +86,7 @@ fn a_road_does_not_take_the_plane_away() {
 /// roof of the box and a floor below it are not, and `asphalt` is ground by its name.
 #[test]
 fn ground_without_a_name_for_it_is_reported() {
-    let folder = Folder::new();
+    let folder = TestFolder::new();
     let said = |name: &str| {
         let text = format!("{BOX}v -20 -20 2\nv 20 -20 2\nv 20 20 2\nv -20 20 2\nusemtl {name}\nf -4 -3 -2 -1\n");
         let scene = load(&[&folder.write("box.obj", &text)], None);
@@ -125,7 +112,7 @@ fn floors_of_a_city_model_are_no_ground() {
     let mut city: serde_json::Value = serde_json::from_slice(&fs::read(&whole).expect("bytes")).expect("JSON");
     let objects = city["CityObjects"].as_object_mut().expect("objects");
     objects.retain(|_, object| object["type"] != "TINRelief");
-    let folder = Folder::new();
+    let folder = TestFolder::new();
     let bare = folder.write("bare.city.json", &city.to_string());
     assert_eq!(plane(&load(&[&bare], None)), (3.692, Some(0.2)));
     assert_eq!(plane(&load(&[&data.join("small.city.jsonl")], None)).1, Some(0.2));
@@ -136,7 +123,7 @@ fn floors_of_a_city_model_are_no_ground() {
 /// both, a lawn beside the model over the plane. A model of 0.2 in all months keeps no months.
 #[test]
 fn a_model_gets_its_monthly_ground() {
-    let folder = Folder::new();
+    let folder = TestFolder::new();
     let model = folder.write("m.idf", MODEL);
     let scene = load(&[&model], None);
     let (low, diffuse) = plane(&scene);

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use heliotile_core::site::material::{Class, Material};
 use heliotile_core::site::receiver::MAX_NAME_BYTES;
-use heliotile_core::text::message;
+use heliotile_core::text::{listed, message};
 
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
@@ -123,10 +123,8 @@ pub(crate) fn select(
             first.triangles
         );
         if !others.is_empty() {
-            let names: Vec<String> =
-                others.iter().take(10).map(|entry| format!("`{}`", excerpt(entry.name.as_bytes()))).collect();
-            let more = if others.len() > names.len() { ", ..." } else { "" };
-            what += &format!("; {} more are missing: {}{more}", others.len(), names.join(", "));
+            let names = others.iter().take(10).map(|entry| format!("`{}`", excerpt(entry.name.as_bytes())));
+            what += &format!("; {} more are missing: {}", others.len(), listed(names, others.len()));
         }
         let mut hint = message!(
             "add to materials.toml, given with {{materials}}: {} and below it: diffuse = 0.2",

@@ -5,13 +5,12 @@ use std::fs;
 use glam::DVec3;
 
 use crate::Scene;
-use crate::covering::surfaces::Surfaces;
 use crate::placing::frame::{SiteFrame, UpAxis};
 use crate::placing::plausible::far_receivers;
 use crate::site::{Part, SceneFiles};
+use crate::test_files::{TestFolder, areas_m2};
 use heliotile_core::error::Result;
 use heliotile_core::site::receiver::Receiver;
-use heliotile_core::site::semantics::SurfaceKind;
 
 /// Returns a house of 10 x 8 m with walls of 6 m, each number times `unit`, at a place.
 fn house(unit: f64, [x, y, z]: [f64; 3]) -> String {
@@ -30,17 +29,17 @@ fn terrain([x, y]: [f64; 2]) -> String {
     head + &(0..40).map(row).collect::<String>()
 }
 
-struct Folder(tempfile::TempDir);
+struct Folder(TestFolder);
 
 impl Folder {
     fn with(files: &[(&str, String)]) -> Folder {
-        let folder = Folder(tempfile::tempdir().expect("a folder"));
-        files.iter().for_each(|(name, text)| fs::write(folder.0.path().join(name), text).expect("written"));
-        folder
+        let folder = TestFolder::new();
+        files.iter().for_each(|(name, text)| drop(folder.write(name, text)));
+        Folder(folder)
     }
 
     fn load(&self, names: &[&str], frame: &SiteFrame) -> Result<Scene> {
-        let files: Vec<_> = names.iter().map(|name| self.0.path().join(name)).collect();
+        let files: Vec<_> = names.iter().map(|name| self.0.at(name)).collect();
         Scene::load_site(&SceneFiles::new(&files, None)?.framed(frame))
     }
 
@@ -158,7 +157,7 @@ fn files_far_apart_are_warned_of_or_refused() {
     let error = folder.load(&["house.obj", "utm.asc"], &plain).expect_err("out of sight").to_string();
     assert!(error.contains("utm.asc") && error.contains("lies 4538 km from"), "{error}");
     fs::write(
-        folder.0.path().join("site.toml"),
+        folder.0.at("site.toml"),
         "[[scene]]\nfile = \"house.obj\"\noffset = [78000, 457000, 0]\n[[scene]]\nfile = \"rd.asc\"\n",
     )
     .expect("written");
@@ -261,9 +260,8 @@ fn houses_on_their_side_get_a_hint() {
         (include_str!("../../../tests/data/footprints/cases/blender_y_up.obj"), "look towards y"),
         (include_str!("../../../tests/data/footprints/cases/osm_y_up_with_place.obj"), "a comment of the file"),
     ] {
-        let folder = tempfile::tempdir().expect("a folder");
-        let file = folder.path().join("house.obj");
-        std::fs::write(&file, text).expect("written");
+        let folder = TestFolder::new();
+        let file = folder.write("house.obj", text);
         let load = |up| {
             let site = SceneFiles { parts: vec![Part { up, ..Part::plain(&file, None) }], ..SceneFiles::default() };
             Scene::load_with_objects(&site).expect("a scene")
@@ -273,10 +271,6 @@ fn houses_on_their_side_get_a_hint() {
         assert!(hint(&plain).is_some_and(|hint| hint.contains(words)), "{:?}", plain.report.warnings);
         assert_eq!(hint(&load(Some(UpAxis::Z)).0), None);
         let (scene, soup) = load(Some(UpAxis::Y));
-        let surfaces = Surfaces::find(&soup, &scene.materials);
-        let of = |kind: SurfaceKind| -> f64 {
-            surfaces.list.iter().filter(|surface| surface.kind == kind).map(|surface| surface.area_m2).sum()
-        };
-        assert_eq!((of(SurfaceKind::Roof).round(), of(SurfaceKind::Wall).round(), hint(&scene)), (100.0, 240.0, None));
+        assert_eq!((areas_m2(&scene, &soup).map(f64::round), hint(&scene)), ([100.0, 240.0], None));
     }
 }

@@ -110,12 +110,11 @@ impl TravelLine {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::test_files::TestFolder;
 
     fn read(text: &str) -> Result<Vec<TravelLine>> {
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = folder.path().join("road.csv");
-        std::fs::write(&path, text).expect("written");
-        read_lines(&path)
+        let folder = TestFolder::new();
+        read_lines(&folder.write("road.csv", text))
     }
 
     /// A road of 10 and 6 m around a corner with a point every 4 m has four points, from 2 to 14 m

@@ -76,13 +76,12 @@ fn check_name(rows: &CsvRows, column: &str, name: &str) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::test_files::TestFolder;
     use heliotile_core::site::north::North;
 
     fn read(text: &str, needs_turns: bool) -> Result<Vec<PlacePoint>> {
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = folder.path().join("points.csv");
-        std::fs::write(&path, text).expect("written");
-        read_points(&path, PointDefaults { needs_turns, height_m: None }, &mut Vec::new())
+        let folder = TestFolder::new();
+        read_points(&folder.write("points.csv", text), PointDefaults { needs_turns, height_m: None }, &mut Vec::new())
     }
 
     /// Three points by z and by height, in any order of columns and with azimuths of both signs,

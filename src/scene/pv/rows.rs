@@ -8,7 +8,7 @@ use serde::Deserialize;
 
 use crate::coordinate::MAX_COORDINATE_M;
 use crate::covering::surfaces::{Surface, Surfaces};
-use crate::text::line_of_offset;
+use crate::text::read_toml;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::orientation::fan::Orientation;
 use heliotile_files::input;
@@ -109,10 +109,7 @@ fn usual_samples() -> usize {
 pub fn read_rows(path: &Path) -> Result<Vec<RowsOfModules>> {
     let bytes = input::read(path)?;
     let text = String::from_utf8_lossy(&bytes);
-    let document: Document = toml::from_str(&text).map_err(|error| {
-        let line = error.span().map(|span| line_of_offset(text.as_bytes(), span.start));
-        Error::input(path, line, error.message().to_owned(), KEYS)
-    })?;
+    let document: Document = read_toml(path, &text, KEYS)?;
     let mut all: Vec<RowsOfModules> = Vec::new();
     for entry in document.rows {
         let name = entry.name.clone();
@@ -197,12 +194,11 @@ fn checked(entry: Entry) -> std::result::Result<RowsOfModules, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::test_files::TestFolder;
 
     fn read(text: &str) -> Result<Vec<RowsOfModules>> {
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = folder.path().join("rows.toml");
-        std::fs::write(&path, text).expect("written");
-        read_rows(&path)
+        let folder = TestFolder::new();
+        read_rows(&folder.write("rows.toml", text))
     }
 
     const GOOD: &str = "[[rows]]\nname = \"a\"\narea = [[0, 0], [9, 0], [9, 9]]\ntilt = 60\nazimuth = -90\npitch = 3\nwidth = 1\nheight = 2\n";

@@ -63,14 +63,19 @@ impl Sums {
         };
     }
 
+    /// Returns the mean squares of places about their middle, and the mean product with heights.
+    fn moments(&self, middle: DVec2, height: f64) -> ([f64; 3], DVec2) {
+        let count = self.count.max(1.0);
+        let (xx, yy) = (self.xx / count - middle.x * middle.x, self.yy / count - middle.y * middle.y);
+        ([xx, yy, self.xy / count - middle.x * middle.y], self.rise / count - middle * height)
+    }
+
     /// Returns the plane of least squares; a level plane if the places lie on a line or the slope
     /// would be too steep.
     pub(super) fn plane(&self) -> Plane {
         let count = self.count.max(1.0);
         let (middle, height) = (self.place / count, self.height / count);
-        let (xx, yy) = (self.xx / count - middle.x * middle.x, self.yy / count - middle.y * middle.y);
-        let xy = self.xy / count - middle.x * middle.y;
-        let rise = self.rise / count - middle * height;
+        let ([xx, yy, xy], rise) = self.moments(middle, height);
         let turn = xx * yy - xy * xy;
         let slope = DVec2::new(rise.x * yy - rise.y * xy, rise.y * xx - rise.x * xy) / turn;
         // `turn` is the product of the variances along the two main axes. It is small beside their
@@ -85,9 +90,7 @@ impl Sums {
         // goes through.
         let count = self.count.max(1.0);
         let (middle, height) = (plane.middle, plane.height);
-        let (xx, yy) = (self.xx / count - middle.x * middle.x, self.yy / count - middle.y * middle.y);
-        let xy = self.xy / count - middle.x * middle.y;
-        let rise = self.rise / count - middle * height;
+        let ([xx, yy, xy], rise) = self.moments(middle, height);
         let s = plane.slope;
         let square = self.square / count - height * height - 2.0 * s.dot(rise)
             + s.x * s.x * xx

@@ -64,12 +64,13 @@ pub(crate) fn surface(mut raster: Raster, wanted: &RasterOptions) -> Result<(Geo
     if curved {
         raster.lower(|place| curvature_drop(focus.distance_squared(place)));
     }
-    let whole = full_count(&raster);
+    let whole = all(&raster).count();
     let (found, left_out, largest_deg) = if limit_deg > 0.0 {
         let thinned = thin(&raster, &focus, limit_deg);
         (fill(&mut geometry, &raster, thinned.triangles.into_iter(), wanted)?, thinned.nodata, thinned.largest_deg)
     } else {
-        (fill(&mut geometry, &raster, all(&raster), wanted)?, 2 * raster_cells(&raster) - whole, 0.0)
+        let cells = (raster.grid.columns - 1) * (raster.grid.rows - 1);
+        (fill(&mut geometry, &raster, all(&raster), wanted)?, 2 * cells - whole, 0.0)
     };
     if found == 0 {
         let hint = "nodata lies at a corner of every cell: fill the gaps, or check the nodata value";
@@ -96,10 +97,6 @@ pub(crate) fn surface(mut raster: Raster, wanted: &RasterOptions) -> Result<(Geo
     Ok((geometry, note))
 }
 
-fn raster_cells(raster: &Raster) -> usize {
-    (raster.grid.columns - 1) * (raster.grid.rows - 1)
-}
-
 /// Returns both triangles of each cell, row by row.
 fn all(raster: &Raster) -> impl Iterator<Item = [Sample; 3]> + '_ {
     let (columns, rows) = (raster.grid.columns as i64 - 1, raster.grid.rows as i64 - 1);
@@ -108,16 +105,9 @@ fn all(raster: &Raster) -> impl Iterator<Item = [Sample; 3]> + '_ {
         let (even_column, even_row) = (2 * column + 1 - odd_column, 2 * row + 1 - odd_row);
         let (a, b) = ([even_column, even_row], [odd_column, odd_row]);
         let halves = [[a, b, [odd_column, even_row]], [a, b, [even_column, odd_row]]];
-        halves.into_iter().filter(|corners| !touches_nodata(raster, corners))
+        let is_missing = |&[column, row]: &Sample| raster.height(column, row).is_nan();
+        halves.into_iter().filter(move |corners| !corners.iter().any(is_missing))
     })
-}
-
-fn touches_nodata(raster: &Raster, corners: &[Sample; 3]) -> bool {
-    corners.iter().any(|&[column, row]| raster.height(column, row).is_nan())
-}
-
-fn full_count(raster: &Raster) -> usize {
-    all(raster).count()
 }
 
 /// Adds triangles to the geometry, facing up; returns their number.

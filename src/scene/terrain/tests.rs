@@ -1,13 +1,13 @@
 //! Tests of rasters as scenes and beside other files.
 
 use std::fmt::Write;
-use std::path::PathBuf;
 
 use glam::DVec3;
 
 use crate::Scene;
 use crate::placing::frame::UpAxis;
 use crate::site::{Part, SceneFiles};
+use crate::test_files::TestFolder;
 
 /// Returns hills of `columns` x `rows` cells of 500 m from (400,000, 5,000,000), with one height
 /// missing.
@@ -37,14 +37,9 @@ fn house() -> (String, [[f64; 3]; 4]) {
     (format!("{vertices}usemtl roof\nf 1 2 3 4\n"), corners)
 }
 
-fn parts(files: &[(&str, String)]) -> (tempfile::TempDir, Vec<Part>) {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = |name: &str, text: &String| -> PathBuf {
-        let path = folder.path().join(name);
-        std::fs::write(&path, text).expect("written");
-        path
-    };
-    let parts = files.iter().map(|(name, text)| Part::plain(&path(name, text), None)).collect();
+fn parts(files: &[(&str, String)]) -> (TestFolder, Vec<Part>) {
+    let folder = TestFolder::new();
+    let parts = files.iter().map(|(name, text)| Part::plain(&folder.write(name, text), None)).collect();
     (folder, parts)
 }
 

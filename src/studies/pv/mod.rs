@@ -113,15 +113,15 @@ fn run(request: &PvRequest, about: Provenance, resources: &Resources) -> Result<
         ModuleSource::Points(_) => None,
         ModuleSource::Rows(rows) => {
             let surfaces = Surfaces::find(&soup, &scene.materials);
-            Some(LaidRows::lay(request.rows_file(), rows.clone(), &surfaces, &siting, north, observer)?)
+            Some(LaidRows::lay(request.modules_file(), rows.clone(), &surfaces, &siting, north, observer)?)
         }
     };
     let mut spots = match (&wanted, &laid) {
-        (ModuleSource::Points(points), _) => Spots::of_points(request.points_file(), points, &siting, &scene)?,
+        (ModuleSource::Points(points), _) => Spots::of_points(request.modules_file(), points, &siting, &scene)?,
         (_, laid) => Spots::of_modules(laid.iter().flat_map(LaidRows::modules), &siting),
     };
     let ground = match &laid {
-        Some(laid) => GroundSpot::among(request.rows_file(), laid, &siting, observer)?,
+        Some(laid) => GroundSpot::among(request.modules_file(), laid, &siting, observer)?,
         None => Vec::new(),
     };
     fs::create_dir_all(&files.folder).map_err(Error::io(&files.folder, "create"))?;

@@ -7,12 +7,12 @@ use heliotile_core::orientation::fan::OrientationLimits;
 use heliotile_core::replay::reflectances::Snow;
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::options::{StampedAt, WeatherOptions};
-use heliotile_requests::Request;
+use heliotile_requests::{DefaultRequest, Request};
 use heliotile_results::outputs::tables::format::table_endings;
 use heliotile_scene::request::SceneRequest;
 
 /// Request for a study of modules.
-#[derive(Clone, Debug, Request)]
+#[derive(Clone, Debug, Request, DefaultRequest)]
 #[request(exactly_one("points", "rows"))]
 pub struct PvRequest {
     /// Scene around the modules.
@@ -85,14 +85,6 @@ pub struct PvRequest {
     pub replace: bool,
 }
 
-impl Default for PvRequest {
-    fn default() -> Self {
-        let mut request = PvRequest::new(SceneRequest::default(), "", "", "");
-        request.points = None;
-        request
-    }
-}
-
 impl PvRequest {
     /// Returns a study of the modules of a table of points.
     pub fn new(
@@ -101,37 +93,13 @@ impl PvRequest {
         points: impl Into<PathBuf>,
         folder: impl Into<PathBuf>,
     ) -> Self {
-        PvRequest {
-            scene,
-            weather: weather.into(),
-            about_weather: WeatherOptions::default(),
-            points: Some(points.into()),
-            rows: None,
-            bifaciality: 0.8,
-            folder: folder.into(),
-            search: false,
-            tilts_deg: [0.0, 90.0],
-            azimuths_deg: [0.0, 360.0],
-            sky: SkyModel::default(),
-            format: "csv".to_owned(),
-            hourly: true,
-            stamp: StampedAt::default(),
-            year: None,
-            snow: None,
-            snow_reflectance: 0.6,
-            accuracy: AccuracyRequest::default(),
-            replace: false,
-        }
+        let (weather, points, folder) = (weather.into(), Some(points.into()), folder.into());
+        PvRequest { scene, weather, points, folder, ..PvRequest::default() }
     }
 
-    /// Returns the table of points, for messages.
-    pub(super) fn points_file(&self) -> &Path {
-        self.points.as_deref().unwrap_or(Path::new(""))
-    }
-
-    /// Returns the file of rows.
-    pub(super) fn rows_file(&self) -> &Path {
-        self.rows.as_deref().unwrap_or(Path::new(""))
+    /// Returns the table of points or the file of rows, for messages.
+    pub(super) fn modules_file(&self) -> &Path {
+        self.points.as_deref().or(self.rows.as_deref()).unwrap_or(Path::new(""))
     }
 
     /// Returns the orientations that a search may choose.

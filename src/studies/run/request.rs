@@ -7,14 +7,14 @@ use crate::covering::CoverRequest;
 use crate::run::maps::RunMap;
 use heliotile_builder::planning::{AccuracyRequest, parse_negligible};
 use heliotile_core::weather::options::{StampedAt, WeatherOptions};
-use heliotile_requests::{OutputKind, Request, Role};
+use heliotile_requests::{DefaultRequest, OutputKind, Request, Role};
 use heliotile_results::outputs::periods::Every;
 use heliotile_results::outputs::tables::format::table_endings;
 use heliotile_results::outputs::tables::layout::By;
 use heliotile_scene::request::SceneRequest;
 
 /// Request for a run.
-#[derive(Clone, Debug, Request)]
+#[derive(Clone, Debug, Request, DefaultRequest)]
 #[request(also = usual_folder)]
 pub struct RunRequest {
     /// Scene to trace.
@@ -94,35 +94,10 @@ fn usual_folder(request: &RunRequest, each: &mut dyn FnMut(&'static str, Role, &
     }
 }
 
-impl Default for RunRequest {
-    fn default() -> Self {
-        RunRequest::new(SceneRequest::default(), "")
-    }
-}
-
 impl RunRequest {
     /// Returns a run with default receivers and accuracy: annual sums and a map.
     pub fn new(scene: SceneRequest, weather: impl Into<PathBuf>) -> Self {
-        RunRequest {
-            scene,
-            weather: weather.into(),
-            about_weather: WeatherOptions::default(),
-            folder: None,
-            cover: CoverRequest::default(),
-            receivers: None,
-            accuracy: AccuracyRequest::default(),
-            negligible_percent: None,
-            with_scene: true,
-            from: None,
-            every: Vec::new(),
-            rules: Vec::new(),
-            by: By::default(),
-            stamp: StampedAt::default(),
-            year: None,
-            format: "csv".to_owned(),
-            maps: Vec::new(),
-            replace: false,
-        }
+        RunRequest { scene, weather: weather.into(), ..RunRequest::default() }
     }
 }
 

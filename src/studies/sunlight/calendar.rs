@@ -4,14 +4,11 @@
 use std::fmt;
 use std::str::FromStr;
 
-use serde::{Deserialize, Serialize};
-
 use heliotile_core::weather::span::Moment;
 use heliotile_core::weather::time::calendar::Date;
 
 /// Day, or all days from one to another.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(into = "String", try_from = "String")]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DaySpan {
     first: Moment,
     last: Moment,
@@ -48,20 +45,6 @@ impl FromStr for DaySpan {
     }
 }
 
-impl TryFrom<String> for DaySpan {
-    type Error = String;
-
-    fn try_from(text: String) -> Result<Self, String> {
-        text.parse()
-    }
-}
-
-impl From<DaySpan> for String {
-    fn from(span: DaySpan) -> String {
-        span.to_string()
-    }
-}
-
 impl fmt::Display for DaySpan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.first)?;
@@ -90,6 +73,8 @@ impl DaySpan {
 }
 
 heliotile_requests::parse_by_text!(DaySpan: heliotile_requests::Form::TEXT);
+
+heliotile_core::serde_by_text!(DaySpan);
 
 #[cfg(test)]
 mod tests {

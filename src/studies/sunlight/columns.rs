@@ -4,11 +4,11 @@
 use super::days::DayPlan;
 use super::places::{AnswerItem, DateRows, RowSubject};
 use super::rule::Threshold;
-use heliotile_core::sunlight::{Spells, Strongest, SunSeen};
 use heliotile_core::weather::time::clock_zone::ClockZone;
 use heliotile_results::outputs::quantities::{Measure, Quantity, ValueSource};
 use heliotile_results::outputs::tables::bin_labels::BinLabels;
 use heliotile_results::outputs::tables::layout::{BinKind, By, Layout};
+use heliotile_sunlight::{Spells, Strongest, SunSeen};
 
 /// Number of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

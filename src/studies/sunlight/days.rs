@@ -12,10 +12,10 @@ use rayon::prelude::*;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::layers::sides::TextureSides;
 use heliotile_core::site::north::North;
-use heliotile_core::sunlight::{Spells, SunDay, SunPasses};
 use heliotile_core::weather::time::calendar::Date;
 use heliotile_core::weather::time::sun::Location;
 use heliotile_core::weather::time::utc_offset::UtcOffset;
+use heliotile_sunlight::{Spells, SunDay, SunPasses};
 use heliotile_weather::series::Weather;
 
 /// Least direct normal irradiance of sunshine, W/m2 (World Meteorological Organization, "Guide to

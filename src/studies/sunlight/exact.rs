@@ -9,8 +9,8 @@ use heliotile_builder::held::held_scene;
 use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::{Error, Result};
-use heliotile_core::sunlight::{Spells, SunDay, SunSeen};
 use heliotile_scene::Scene;
+use heliotile_sunlight::{Spells, SunDay, SunSeen};
 
 /// Minutes between rays near edges.
 pub const EDGE_STEP_MIN: f64 = 0.1;

@@ -17,12 +17,11 @@ use heliotile_core::memory::Use;
 use heliotile_core::observer::Observer;
 use heliotile_core::site::north::North;
 use heliotile_core::site::receiver::Receiver;
-use heliotile_core::sunlight::{GlareAngles, MirrorSpells, Spell, Spells, Strongest, SunDay};
 use heliotile_core::text::{counted, message};
 use heliotile_core::units::tilt_and_azimuth;
 use heliotile_core::weather::time::calendar::Date;
 use heliotile_files::writing::guards::guard_output;
-use heliotile_requests::Request;
+use heliotile_requests::{DefaultRequest, Request};
 use heliotile_results::files::{MapStart, crs_of, name_of, say_large};
 use heliotile_results::outputs::groups::GroupGeometry;
 use heliotile_results::outputs::pictures::calendar::{Calendar, CalendarDay, CalendarSpell};
@@ -40,9 +39,10 @@ use heliotile_results::outputs::tables::table::{Cell, Table};
 use heliotile_results::outputs::tables::writer::Places;
 use heliotile_results::receivers::ReceiverSet;
 use heliotile_results::resources::Resources;
+use heliotile_sunlight::{GlareAngles, MirrorSpells, Spell, Spells, Strongest, SunDay};
 
 /// Angles of glare that counts, and files of glare besides the rows of places.
-#[derive(Clone, Debug, PartialEq, Request)]
+#[derive(Clone, Debug, PartialEq, Request, DefaultRequest)]
 pub struct GlareChoice {
     /// Least angle between the sun and its image in a mirror that counts, degrees; if a rule states
     /// one too, the larger one applies.
@@ -61,13 +61,6 @@ pub struct GlareChoice {
     /// receivers.
     #[field(metavar = "FILE", output = Results)]
     pub panes: Option<PathBuf>,
-}
-
-impl Default for GlareChoice {
-    fn default() -> Self {
-        let GlareAngles { least_deflection_deg, view_angle_deg } = GlareAngles::ALL;
-        GlareChoice { least_deflection_deg, view_angle_deg, spells: None, panes: None }
-    }
 }
 
 impl GlareChoice {

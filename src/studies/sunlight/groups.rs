@@ -9,10 +9,10 @@ use super::measure::RuleValue;
 use super::places::{AnswerItem, PlaceAnswer, RowSubject};
 use super::rule::LitPart;
 use heliotile_core::error::{Error, Result};
-use heliotile_core::sunlight::{Spells, Strongest, SunSeen};
 use heliotile_files::spill::{Sorter, damaged};
 use heliotile_results::outputs::groups::Groups;
 use heliotile_results::outputs::tables::layout::By;
+use heliotile_sunlight::{Spells, Strongest, SunSeen};
 
 /// Answers of receivers, sorted by group.
 pub struct GroupAnswers<'a> {

@@ -3,8 +3,8 @@
 
 use super::days::PlannedRule;
 use super::rule::{DaysTogether, Rule, RuleMeasure, Threshold};
-use heliotile_core::sunlight::{Spells, SunSeen};
 use heliotile_results::outputs::quantities::Verdict;
+use heliotile_sunlight::{Spells, SunSeen};
 
 /// Value of a rule, with its bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,7 +2,7 @@
 //! pictures of minutes by day or period, or of the verdict of each rule on each place.
 //!
 //! Nothing is replayed: the path of the sun is followed through the sky textures
-//! ([`heliotile_core::sunlight`]). Clouds are ignored unless a rule counts probable hours. Leaves
+//! ([`heliotile_sunlight`]). Clouds are ignored unless a rule counts probable hours. Leaves
 //! and screens block nothing.
 
 mod calendar;

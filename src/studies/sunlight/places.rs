@@ -20,12 +20,12 @@ use heliotile_core::light::mirrors::MirrorTable;
 use heliotile_core::memory::Use;
 use heliotile_core::site::chain::Chain;
 use heliotile_core::site::receiver::Receiver;
-use heliotile_core::sunlight::{GlareAngles, MirrorSpells, SeenSky, Spells, Strongest, SunSeen, TileMirrors, in_any};
 use heliotile_core::units::tilt_and_azimuth;
 use heliotile_results::outputs::tables::bin_labels::BinLabels;
 use heliotile_results::receivers::{PartReceivers, ReceiverSet, TileReceivers};
 use heliotile_results::resources::Resources;
 use heliotile_results::sky_components::SkyComponents;
+use heliotile_sunlight::{GlareAngles, MirrorSpells, SeenSky, Spells, Strongest, SunSeen, TileMirrors, in_any};
 
 /// Subject of the rows of a request.
 pub enum RowSubject {

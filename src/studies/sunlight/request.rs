@@ -19,7 +19,7 @@ use heliotile_core::weather::time::calendar::Date;
 use heliotile_core::weather::time::clock_zone::ClockZone;
 use heliotile_core::weather::time::sun::Location;
 use heliotile_core::weather::time::years::Years;
-use heliotile_requests::Request;
+use heliotile_requests::{DefaultRequest, Request};
 use heliotile_results::archives::Archives;
 use heliotile_results::files::OutputRequest;
 use heliotile_results::outputs::periods::{ClockReading, Every, Periods};
@@ -28,14 +28,14 @@ use heliotile_results::request::ReplayRequest;
 use heliotile_results::resources::Resources;
 
 /// Request for minutes of possible sun on days, or for the verdicts of rules.
-#[derive(Clone, Debug, PartialEq, Request)]
+#[derive(Clone, Debug, PartialEq, Request, DefaultRequest)]
 pub struct SunlightRequest {
     /// Days to compute, separated by commas: 03-21, 2026-03-21, 02-19..10-21 or year; with --rule,
     /// the days for rules that state none.
     #[field(metavar = "DAYS", delimiter = ',')]
     pub dates: Vec<DaySpan>,
     /// Year of the dates that state none; results of other years differ by a few minutes.
-    #[field(default = SunlightRequest::default().year, range = 1..=2998)]
+    #[field(default = Date::NO_YEAR, range = 1..=2998)]
     pub year: i32,
     /// Period of a row, without --rule: a day, or all days of a month, a year or all of them.
     #[field(default = "day")]
@@ -131,25 +131,6 @@ impl SunlightDone {
 fn is_same_name(a: &Path, b: &Path) -> bool {
     let whole = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
     whole(a) == whole(b)
-}
-
-impl Default for SunlightRequest {
-    fn default() -> Self {
-        SunlightRequest {
-            dates: Vec::new(),
-            year: Date::NO_YEAR,
-            every: Every::Day,
-            rules: Vec::new(),
-            before: None,
-            zone: None,
-            least_altitude_deg: 0.0,
-            lit_share: 0.0,
-            glare: None,
-            exact: false,
-            weather: None,
-            about_weather: WeatherOptions::default(),
-        }
-    }
 }
 
 impl SunlightRequest {

@@ -8,7 +8,7 @@ use serde::Deserialize;
 use super::calendar::DaySpan;
 use heliotile_core::named::NamedValues;
 use heliotile_core::serde_by_name;
-use heliotile_core::sunlight::GlareAngles;
+use heliotile_sunlight::GlareAngles;
 
 /// Rule of sunlight or glare.
 #[derive(Clone, Debug, PartialEq, Deserialize)]

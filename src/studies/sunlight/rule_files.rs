@@ -7,7 +7,7 @@ use serde::Deserialize;
 use super::rule::Rule;
 use heliotile_core::error::{Error, Problem, Result};
 use heliotile_files::input;
-use heliotile_scene::line_of_offset;
+use heliotile_scene::read_toml;
 
 /// Files of rules that come with the program: their names and texts.
 const SHIPPED: [(&str, &str); 11] = [
@@ -82,10 +82,7 @@ pub fn read_rules(names: &[String]) -> Result<Vec<Rule>> {
 }
 
 fn rules_of(path: &Path, text: &str) -> Result<Vec<Rule>> {
-    let file: RuleFile = toml::from_str(text).map_err(|error| {
-        let line = error.span().map(|span| line_of_offset(text.as_bytes(), span.start));
-        Error::input(path, line, error.message().to_owned(), KEYS)
-    })?;
+    let file: RuleFile = read_toml(path, text, KEYS)?;
     match file.rule.is_empty() {
         true => Err(Error::input(path, None, "holds no rule", KEYS)),
         false => Ok(file.rule),

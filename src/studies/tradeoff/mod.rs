@@ -19,7 +19,7 @@ use heliotile_core::error::{Error, Result, check_ranges};
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::weather::options::WeatherOptions;
 use heliotile_files::writing::copy::folder_of;
-use heliotile_requests::Request;
+use heliotile_requests::{DefaultRequest, Request};
 use heliotile_results::outputs::provenance::Provenance;
 use heliotile_results::resources::Resources;
 use heliotile_scene::Scene;
@@ -30,7 +30,7 @@ use report::SiteSummary;
 pub use sources::SettingPoint;
 
 /// Request for a trade-off.
-#[derive(Clone, Debug, Request)]
+#[derive(Clone, Debug, Request, DefaultRequest)]
 pub struct TradeoffRequest {
     /// Scene to trace.
     #[field(flatten)]
@@ -73,21 +73,6 @@ pub struct TradeoffDone {
     pub ladder: LadderTable,
     /// Points of each setting alone, if requested.
     pub sources: Option<Vec<SettingPoint>>,
-}
-
-impl Default for TradeoffRequest {
-    fn default() -> Self {
-        TradeoffRequest {
-            scene: SceneRequest::default(),
-            receivers: PathBuf::new(),
-            folder: PathBuf::new(),
-            sample: 32,
-            weather: None,
-            about_weather: WeatherOptions::default(),
-            sources: false,
-            effects: EffectChoice::Auto,
-        }
-    }
 }
 
 impl TradeoffRequest {

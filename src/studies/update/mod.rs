@@ -82,7 +82,9 @@ impl UpdateRequest {
             let hint = "give an edit with it, or with {remove}, {move}, {height} or {material}";
             return Err(Error::argument("add", "no edit is given", hint));
         }
-        let added = if self.add.files.is_empty() { SceneFiles::default() } else { self.added_site()? };
+        // No ground is assumed below what is added.
+        let add = SceneRequest { no_ground: true, ..self.add.clone() };
+        let added = if add.files.is_empty() { SceneFiles::default() } else { add.site()? };
         check_ranges(&self.cover)?;
         check_preview(self.preview_percent)?;
         check_archive_name(&self.output)?;
@@ -136,11 +138,6 @@ impl UpdateRequest {
             return Err(Error::input(self.add.first(), None, what, "give the object that is added another name"));
         }
         Ok(after)
-    }
-
-    /// Returns the files that are added; no ground is assumed below them.
-    fn added_site(&self) -> Result<SceneFiles> {
-        SceneRequest { no_ground: true, ..self.add.clone() }.site()
     }
 
     /// Adds the files and returns their triangles.

@@ -16,6 +16,7 @@ use crate::sky::projection::Projection;
 /// receiver's mirror image looks.
 #[derive(Clone, Debug)]
 pub struct MirrorView {
+    /// Mirrors of the chain, and what they leave of the light.
     pub reflection: Reflection,
     /// Numbers of the mirrors of the chain.
     pub chain: Chain,

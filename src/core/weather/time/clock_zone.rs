@@ -9,14 +9,12 @@ use std::sync::{LazyLock, Mutex, PoisonError};
 use jiff::Timestamp;
 use jiff::civil::DateTime;
 use jiff::tz::{AmbiguousOffset, Offset, TimeZone};
-use serde::{Deserialize, Serialize};
 
 use crate::weather::time::calendar::Date;
 use crate::weather::time::utc_offset::{UtcOffset, parse_zone};
 
 /// Clock of a place.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(into = "String", try_from = "String")]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ClockZone {
     /// Fixed number of hours ahead of UTC.
     Hours(f64),
@@ -54,20 +52,6 @@ impl FromStr for ClockZone {
         let name = found.iana_name().unwrap_or(text).to_owned();
         let mut zones = ZONES.lock().unwrap_or_else(PoisonError::into_inner);
         Ok(ClockZone::Named(zones.entry(name).or_insert_with(|| Box::leak(Box::new(found)))))
-    }
-}
-
-impl TryFrom<String> for ClockZone {
-    type Error = String;
-
-    fn try_from(text: String) -> Result<Self, String> {
-        text.parse()
-    }
-}
-
-impl From<ClockZone> for String {
-    fn from(zone: ClockZone) -> String {
-        zone.to_string()
     }
 }
 
@@ -147,6 +131,8 @@ impl ClockZone {
 }
 
 heliotile_requests::parse_by_text!(ClockZone: heliotile_requests::Form::TEXT);
+
+crate::serde_by_text!(ClockZone);
 
 #[cfg(test)]
 mod tests {

@@ -3,7 +3,6 @@
 
 use std::ffi::OsString;
 
-use super::shell_words::quoted;
 use heliotile::Provenance;
 use heliotile::cases::{Command, Given, stated};
 use heliotile::requests::{Many, Row};
@@ -35,6 +34,15 @@ fn typed_words(row: &Row, texts: &[String]) -> Vec<String> {
         (Many::Flag, _) => vec![name],
         (_, true) => values.collect(),
         _ => values.flat_map(|value| [name.clone(), value]).collect(),
+    }
+}
+
+/// Quotes a word for a shell, if it needs quotes.
+pub fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "-_./=:,+%@".contains(c);
+    match !word.is_empty() && word.chars().all(plain) {
+        true => word.to_owned(),
+        false => format!("'{}'", word.replace('\'', r"'\''")),
     }
 }
 
@@ -77,5 +85,16 @@ mod tests {
         let with = options("heliotile|export|site.helio|--view-factors|-o|v.csv");
         assert_eq!(with["view_factors"], Value::Bool(true));
         assert_eq!(options("heliotile|export|site.helio|-r|a|-o|v.png").get("view_factors"), None);
+    }
+
+    /// 2 plain words stay, 3 others get quotes that a shell removes again.
+    #[test]
+    fn words_with_spaces_are_quoted() {
+        for word in ["--output=a/b.helio", "5%"] {
+            assert_eq!(quoted(word), word);
+        }
+        for (word, expected) in [("", "''"), ("my town.obj", "'my town.obj'"), ("it's", r"'it'\''s'")] {
+            assert_eq!(quoted(word), expected);
+        }
     }
 }

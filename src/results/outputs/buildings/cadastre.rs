@@ -13,11 +13,8 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::site::north::North;
 use heliotile_core::site::patch::Patch;
 use heliotile_core::site::receiver::Receiver;
-use heliotile_core::text::counted;
+use heliotile_core::text::{FirstNames, counted};
 use heliotile_core::units::tilt_and_azimuth;
-
-/// Largest number of receivers that a message names.
-const NAMED: usize = 3;
 
 /// Orientations, in the order of columns.
 pub const SIDES: [&str; 5] = ["flat", "north", "east", "south", "west"];
@@ -58,26 +55,15 @@ pub struct Cadastre {
 
 /// Receivers without a required property, for an error message.
 #[derive(Default)]
-struct Lacking {
-    count: u64,
-    named: Vec<String>,
-}
+struct Lacking(FirstNames<3>);
 
 impl Lacking {
-    fn push(&mut self, id: String) {
-        self.count += 1;
-        if self.named.len() < NAMED {
-            self.named.push(id);
-        }
-    }
-
     fn check(&self, file: &Path, what: &str, hint: &'static str) -> Result<()> {
-        if self.count == 0 {
+        if self.0.count == 0 {
             return Ok(());
         }
-        let more = if self.count > self.named.len() as u64 { ", ..." } else { "" };
-        let what =
-            format!("{} of roofs and facades {what}: {}{more}", counted(self.count, "receiver"), self.named.join(", "));
+        let count = counted(self.0.count, "receiver");
+        let what = format!("{count} of roofs and facades {what}: {}", self.0.listed());
         Err(Error::input(file, None, what, hint))
     }
 }
@@ -105,13 +91,13 @@ impl Cadastre {
                 continue;
             }
             let Some(name) = building_of(&receiver) else {
-                homeless.push(receiver.id);
+                homeless.0.add(|| receiver.id);
                 continue;
             };
             let next = numbers.len() as u32;
             let building = *numbers.entry(name.to_owned()).or_insert(next);
             if receiver.area.is_none() {
-                without_area.push(receiver.id);
+                without_area.0.add(|| receiver.id);
                 continue;
             }
             if envelope == Envelope::Facade {

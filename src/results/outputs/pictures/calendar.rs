@@ -4,8 +4,8 @@
 use super::canvas::{Rgb, Side};
 use super::plot::COLOURS;
 use super::svg::{Axis, BLACK, Frame, LETTERS, SWATCH, Svg};
-use heliotile_core::sunlight::Spell;
 use heliotile_core::weather::time::calendar::Date;
+use heliotile_sunlight::Spell;
 
 /// Picture of spells.
 pub struct Calendar {

@@ -146,7 +146,7 @@ pub fn panel(view: &ReceiverView, maps: &[Map], sun: &PanelSun, north: North, ab
         canvas.word(irradiance, (left + MIDDLE.0, top + 28.0), Side::Center, INK);
         for (azimuth, name) in [(0.0, "N"), (90.0, "E"), (180.0, "S"), (270.0, "W")] {
             let way = north.to_axes(direction_from_degrees(azimuth, 0.0));
-            if frame_share(&radiances.frame, way) > -1e-6 {
+            if radiances.frame.to_local(way).z > -1e-6 {
                 let (x, y) = place_at(&radiances.frame, way);
                 let length = x.hypot(y).max(1.0);
                 let (scale, ink) = if length > RADIUS - 2.0 { ((RADIUS + 9.0) / length, INK) } else { (1.0, INSIDE) };
@@ -186,11 +186,6 @@ fn suns(radiances: &Radiances, sun: DVec3, picture: usize) -> Vec<(f64, f64)> {
         found.extend(view.mirror_images(sun));
     }
     found.into_iter().map(|direction| place_at(&radiances.frame, direction)).collect()
-}
-
-/// Returns the cosine of the angle between a direction and the surface's normal.
-fn frame_share(frame: &Frame, direction: DVec3) -> f64 {
-    frame.to_local(direction).z
 }
 
 /// Returns the position of a direction relative to the middle of a picture: x to the right, y down.

@@ -12,10 +12,8 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::site::patch::Patch;
 use heliotile_core::site::receiver::Receiver;
+use heliotile_core::text::FirstNames;
 use heliotile_files::spill::{Sorted, Sorter};
-
-/// Largest number of receivers that a message names.
-const NAMED: usize = 3;
 
 /// Returns the polygons of a receiver, in scene coordinates: its patch, or else a square of its
 /// area. Returns `None` if it has neither, or if they vanish in the rounding to mm.
@@ -28,28 +26,18 @@ pub fn polygons(receiver: &Receiver) -> Option<Vec<MapPolygon>> {
     (!polygons.is_empty()).then_some(polygons)
 }
 
-/// Count of receivers that cannot be drawn, with the names of the first ones.
+/// Receivers that cannot be drawn.
 #[derive(Default)]
-pub struct Shapeless {
-    count: u64,
-    first: Vec<String>,
-}
+pub struct Shapeless(FirstNames<3>);
 
 impl Shapeless {
-    fn add(&mut self, receiver: Receiver) {
-        self.count += 1;
-        if self.first.len() < NAMED {
-            self.first.push(receiver.id);
-        }
-    }
-
     /// Fails if any of the receivers of a file cannot be drawn.
     pub fn refuse(receivers: impl Iterator<Item = Result<Receiver>>, file: &Path) -> Result<()> {
         let mut shapeless = Shapeless::default();
         for receiver in receivers {
             let receiver = receiver?;
             if polygons(&receiver).is_none() {
-                shapeless.add(receiver);
+                shapeless.0.add(|| receiver.id);
             }
         }
         shapeless.check(file)
@@ -57,12 +45,10 @@ impl Shapeless {
 
     /// Fails if there are any.
     fn check(&self, file: &Path) -> Result<()> {
-        if self.count == 0 {
+        if self.0.count == 0 {
             return Ok(());
         }
-        let more = if self.count > NAMED as u64 { ", ..." } else { "" };
-        let what =
-            format!("{} receivers have neither a patch nor an area: {}{more}", self.count, self.first.join(", "));
+        let what = format!("{} receivers have neither a patch nor an area: {}", self.0.count, self.0.listed());
         let hint = "a map draws surfaces: build with receivers that cover a scene, or with a column `area`, or choose others with {receivers}";
         Err(Error::input(file, None, what, hint))
     }
@@ -82,7 +68,7 @@ impl PatchSorter {
     /// Adds the next receiver; `group` is the index of its group among the sorted names.
     pub fn push(&mut self, group: u32, receiver: Receiver) -> Result<()> {
         let Some(polygons) = polygons(&receiver) else {
-            self.shapeless.add(receiver);
+            self.shapeless.0.add(|| receiver.id);
             return Ok(());
         };
         let part = receiver.part.texts().map(str::to_owned);

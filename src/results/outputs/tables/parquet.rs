@@ -127,7 +127,7 @@ impl ParquetTable {
         let encoded = columns.map(|((column, to), values)| match values {
             None => to.encode_steps(batch.places, properties),
             Some(Values::Texts(names)) if column.along == Along::Places && steps > 1 => {
-                to.encode_names(names, steps, properties)
+                to.encode_by(properties, |writer| names.iter().try_for_each(|name| write_name(writer, name, steps)))
             }
             Some(values) => to.encode(&part_of(column, values), 1, properties),
         });
@@ -152,11 +152,6 @@ impl FileColumn {
             }
             (_, None) => Err(ParquetError::General("a column has no values".into())),
         }
-    }
-
-    /// Encodes names, each of which stands in `rows` rows.
-    fn encode_names(&self, names: &[String], rows: usize, properties: &WriterPropertiesPtr) -> ParquetResult<Chunk> {
-        self.encode_by(properties, |writer| names.iter().try_for_each(|name| write_name(writer, name, rows)))
     }
 
     fn encode_by(

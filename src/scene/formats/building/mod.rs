@@ -8,5 +8,4 @@ pub(super) mod holes;
 pub(super) mod notes;
 pub(super) mod optics;
 pub(super) mod outwards;
-pub(super) mod reasons;
 pub(super) mod standing;

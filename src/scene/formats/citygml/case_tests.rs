@@ -1,12 +1,11 @@
 //! Files that stand for one kind of fault each, with the areas that are right.
 
 use crate::Scene;
-use crate::formats::test_cases::{self, areas_m2};
 use crate::load::ObjectTriangles;
-use crate::site::{Part, SceneFiles};
+use crate::test_files::{TestFolder, areas_m2, load_case, load_file};
 
 fn load(name: &str) -> Result<(Scene, ObjectTriangles), String> {
-    test_cases::load(&format!("citygml/cases/{name}"))
+    load_case(&format!("citygml/cases/{name}"))
 }
 
 /// Seven files have the roofs and walls (m2) of a sum by hand, within 0.6 %, and say what was done:
@@ -45,15 +44,12 @@ fn seven_files_have_the_areas_of_a_sum_by_hand() {
 /// two numbers with commas, an outline repeated as reference; arcs and missing heights are named.
 #[test]
 fn features_of_gml_have_their_heights() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let file = folder.path().join("town.gml");
+    let folder = TestFolder::new();
     let load = |feature: &str| {
         let text = format!(
             "<wfs:FeatureCollection><wfs:member><x:Building>{feature}</x:Building></wfs:member></wfs:FeatureCollection>"
         );
-        std::fs::write(&file, text).expect("written");
-        let site = SceneFiles { parts: vec![Part::plain(&file, None)], ..SceneFiles::default() };
-        Scene::load_with_objects(&site).map_err(|error| error.to_string())
+        load_file(&folder.write("town.gml", text))
     };
     let outline = "<gml:Polygon srsName=\"EPSG:25832\"><gml:outerBoundaryIs><gml:LinearRing><gml:coordinates>500000,5400000 500010,5400000 \
                    500010,5400010 500000,5400010 500000,5400000</gml:coordinates></gml:LinearRing></gml:outerBoundaryIs></gml:Polygon>";

@@ -14,6 +14,7 @@ use crate::formats::xml::Xml;
 use crate::formats::{Content, ReadOptions};
 use crate::geometry::Geometry;
 use crate::polygon::area_vector_of;
+use crate::test_files::faces;
 use heliotile_core::error::Result;
 use heliotile_core::site::semantics::SurfaceKind;
 use heliotile_place::reference::Reference;
@@ -100,15 +101,6 @@ xlink:href="#p1"/><gml:surfaceMember xlink:href="#p2"/><gml:surfaceMember xlink:
 xlink:href="#p5"/></gml:CompositeSurface></gml:exterior></gml:Solid></bldg:lod2Solid>"##;
 
 const ALL: [usize; 6] = [0, 1, 2, 3, 4, 5];
-
-/// Returns the object and material of every face.
-fn faces(geometry: &Geometry) -> Vec<(&str, &str)> {
-    let (objects, materials) = (geometry.objects.as_slice(), geometry.materials.as_slice());
-    geometry
-        .faces()
-        .map(|face| (objects[face.object as usize].as_str(), materials[face.material as usize].as_str()))
-        .collect()
-}
 
 fn count(geometry: &Geometry, material: &str) -> usize {
     faces(geometry).iter().filter(|face| face.1 == material).count()

@@ -55,13 +55,10 @@ pub(in crate::formats) struct CityObject<'a> {
 pub(in crate::formats) struct Shape<'a> {
     #[serde(rename = "type", borrow)]
     pub kind: Text<'a>,
-    #[serde(default)]
     pub lod: Option<Lod>,
-    #[serde(default)]
     pub boundaries: Option<Nested>,
     #[serde(default, borrow)]
     pub semantics: Option<Semantics<'a>>,
-    #[serde(default)]
     pub template: Option<u64>,
     #[serde(default, rename = "transformationMatrix")]
     pub matrix: Option<Vec<f64>>,
@@ -74,7 +71,6 @@ pub(in crate::formats) struct Shape<'a> {
 pub(in crate::formats) struct Semantics<'a> {
     #[serde(default, borrow)]
     pub surfaces: Option<Vec<SurfaceKind<'a>>>,
-    #[serde(default)]
     pub values: Option<Nested>,
 }
 

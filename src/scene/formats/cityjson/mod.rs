@@ -13,7 +13,6 @@ pub(super) mod frame;
 pub(super) mod nested;
 pub(super) mod objects;
 mod openings;
-mod parents;
 mod refuse;
 pub(super) mod surfaces;
 pub(super) mod templates;

@@ -9,6 +9,7 @@ use crate::formats::ReadOptions;
 use crate::formats::cityjson::parse;
 use crate::geometry::Geometry;
 use crate::polygon::triangulate;
+use crate::test_files::faces;
 use heliotile_core::error::Result;
 use heliotile_place::reference::Reference;
 
@@ -41,15 +42,6 @@ fn read_as(text: &str, name: &str, lod: Option<&str>) -> Result<Geometry> {
 
 fn read(text: &str) -> Geometry {
     read_as(text, "town.city.json", None).expect(text)
-}
-
-/// Returns the object and material of every face.
-fn faces(geometry: &Geometry) -> Vec<(&str, &str)> {
-    let (objects, materials) = (geometry.objects.as_slice(), geometry.materials.as_slice());
-    geometry
-        .faces()
-        .map(|face| (objects[face.object as usize].as_str(), materials[face.material as usize].as_str()))
-        .collect()
 }
 
 fn materials(geometry: &Geometry) -> Vec<&str> {

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use crate::formats::energyplus::*;
-use crate::polygon::triangulate;
+use crate::test_files::{assert_said, assert_too_many_corners};
 
 fn read_bytes(bytes: &[u8], name: &str) -> Result<Geometry> {
     parse(bytes, Path::new(name), &ReadOptions { reflectances: true, ..ReadOptions::default() })
@@ -127,11 +127,7 @@ fn odd_models_are_read_with_one_warning() {
         (format!("{HEAD}{}", WALL.replace(",Wall,W", ",Floor,W").replace("4,0,0, 4,0,3", "4,3,3, 4,3,3.5")), 1, ""),
     ] {
         let geometry = read_bytes(text.as_bytes(), "m.idf").expect(words);
-        assert_eq!(geometry.face_count(), faces, "{words}");
-        let left = geometry.left_out.iter().map(|(reason, count)| format!("LEFT {count} {reason}"));
-        let said: Vec<String> = geometry.warnings.iter().map(|said| said.plain()).chain(left).collect();
-        assert!(said.len() <= 1 && said.join("").contains(words), "{words}: {said:?}");
-        triangulate(&geometry).expect(words);
+        assert_said(&geometry, faces, words);
     }
 }
 
@@ -157,9 +153,7 @@ fn a_polygon_of_a_million_corners_is_refused() {
     let zigzag: String = (0..1_000_000).map(|i| format!(",{},{},5", i % 1000, i / 1000)).collect();
     let text = format!("{HEAD}Shading:Site:Detailed,Round,,{zigzag};");
     let geometry = read_bytes(text.as_bytes(), "m.idf").expect("readable");
-    assert_eq!((geometry.face_count(), geometry.vertices.len()), (1, 1_000_000));
-    let message = triangulate(&geometry).expect_err("too many").to_string();
-    assert!(message.contains("1000000, the limit is 65536"), "{message}");
+    assert_too_many_corners(&geometry);
 }
 
 /// Six texts are told apart: a model is recognised by its classes, not by words that other formats

@@ -15,7 +15,6 @@ mod place;
 #[cfg(test)]
 mod scene_tests;
 mod shades;
-mod surface;
 mod surfaces;
 #[cfg(test)]
 mod tests;

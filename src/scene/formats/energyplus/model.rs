@@ -4,13 +4,17 @@
 use std::collections::HashMap;
 use std::path::Path;
 
+use glam::DVec3;
+
 use crate::coordinate::MAX_COORDINATE_M;
+use crate::formats::building::frame::Frame;
 use crate::formats::building::notes::Notes;
 use crate::formats::building::optics;
 use crate::formats::energyplus::layout::Layout;
 use crate::model_version::ModelVersion;
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
+use heliotile_core::site::semantics::SurfaceKind;
 
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Value {
@@ -123,4 +127,26 @@ pub(super) fn share(object: &Object, file: &Path, key: &str, otherwise: f64, not
 /// Returns a share of light, clamped to 0..=1, or `None` if the model does not state it.
 pub(super) fn stated_share(object: &Object, file: &Path, key: &str, notes: &mut Notes) -> Result<Option<f64>> {
     Ok(object.number(file, key)?.map(|value| optics::share(value, &object.name, notes)))
+}
+
+/// Space behind a surface, seen from its zone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum AdjacentSpace {
+    Outdoors,
+    Ground,
+    /// Not stated: a wall to a neighbour, or one between zones.
+    Adiabatic,
+    Inside,
+}
+
+pub(super) struct Surface<'m> {
+    pub object: &'m Object,
+    pub vertices: Vec<DVec3>,
+    pub frame: Frame,
+    /// Index of the wall that an opening belongs to; a wall's own index for a wall.
+    pub base: usize,
+    pub behind: AdjacentSpace,
+    pub kind: SurfaceKind,
+    /// True if the sun may reach the surface: it lies outdoors and is not stated as `NoSun`.
+    pub exposed: bool,
 }

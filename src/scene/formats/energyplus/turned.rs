@@ -11,10 +11,10 @@ use glam::DVec3;
 
 use crate::formats::building::frame::{Frame, area_vector};
 use crate::formats::building::notes::Notes;
+use crate::formats::building::notes::TURNED_OPENINGS;
 use crate::formats::building::outwards::facing_inwards;
-use crate::formats::building::reasons::TURNED_OPENINGS;
+use crate::formats::energyplus::model::Surface;
 use crate::formats::energyplus::model::same;
-use crate::formats::energyplus::surface::Surface;
 
 const INWARDS: &str = "surfaces look into their zone and are turned round; reverse their vertices, because EnergyPlus lights their inner side";
 

@@ -4,16 +4,16 @@ use std::path::{Path, PathBuf};
 
 use crate::Scene;
 use crate::footprint_options::HeightAbove;
-use crate::formats::test_cases::{self, areas_m2};
 use crate::load::ObjectTriangles;
 use crate::site::{Part, SceneFiles};
+use crate::test_files::{areas_m2, load_case};
 
 fn case(name: &str) -> PathBuf {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/footprints/cases")).join(name)
 }
 
 fn load(name: &str) -> Result<(Scene, ObjectTriangles), String> {
-    test_cases::load(&format!("footprints/cases/{name}"))
+    load_case(&format!("footprints/cases/{name}"))
 }
 
 /// Seventeen files have the objects, roofs and walls (m2) of a sum by hand, within 0.6 %: shapes by

@@ -172,11 +172,8 @@ impl<'de> Visitor<'de> for Features<'_, '_, '_> {
 
 #[derive(Default, Deserialize)]
 struct JsonFeature {
-    #[serde(default)]
     id: Option<Value>,
-    #[serde(default)]
     properties: Option<Map<String, Value>>,
-    #[serde(default)]
     geometry: Option<Value>,
 }
 

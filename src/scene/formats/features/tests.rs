@@ -3,11 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use crate::Scene;
-use crate::covering::surfaces::Surfaces;
 use crate::footprint_options::FootprintOptions;
 use crate::load::ObjectTriangles;
 use crate::site::{Part, SceneFiles};
-use heliotile_core::site::semantics::SurfaceKind;
+use crate::test_files::{Random, TestFolder, areas_m2};
 
 /// Returns the path of a file of the town that `tests/data/footprints/town.py` writes.
 fn town(ending: &str) -> PathBuf {
@@ -25,19 +24,10 @@ fn load(file: &Path, options: &FootprintOptions) -> (Scene, ObjectTriangles) {
     Scene::load_with_objects(&site(file, options, None)).expect("a scene")
 }
 
-fn areas(scene: &Scene, soup: &ObjectTriangles) -> [f64; 2] {
-    let surfaces = Surfaces::find(soup, &scene.materials);
-    [SurfaceKind::Roof, SurfaceKind::Wall].map(|kind| {
-        let own = surfaces.list.iter().filter(|surface| surface.kind == kind);
-        own.map(|surface| surface.area_m2).sum()
-    })
-}
-
 /// Writes a text to a file in a new folder.
-fn written(name: &str, text: &str) -> (tempfile::TempDir, PathBuf) {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join(name);
-    std::fs::write(&path, text).expect("written");
+fn written(name: &str, text: &str) -> (TestFolder, PathBuf) {
+    let folder = TestFolder::new();
+    let path = folder.write(name, text);
     (folder, path)
 }
 
@@ -48,7 +38,7 @@ fn written(name: &str, text: &str) -> (tempfile::TempDir, PathBuf) {
 fn four_formats_give_the_same_town() {
     for (ending, epsg) in [("geojson", 32632), ("gpkg", 25832), ("shp.zip", 25832), ("parquet", 25832)] {
         let (scene, soup) = load(&town(ending), &FootprintOptions::default());
-        let [roofs, walls] = areas(&scene, &soup);
+        let [roofs, walls] = areas_m2(&scene, &soup);
         assert!(
             (roofs / 2576.0 - 1.0).abs() < 2e-3 && (walls / 6220.0 - 1.0).abs() < 2e-3,
             "{ending}: {roofs} {walls}"
@@ -78,7 +68,7 @@ fn the_user_sets_system_and_heights() {
     };
     let (scene, soup) = Scene::load_with_objects(&site(&town("geojson"), &options, Some(31468))).expect("a scene");
     assert_eq!(scene.place.and_then(|place| place.epsg), Some(31468));
-    let [roofs, walls] = areas(&scene, &soup);
+    let [roofs, walls] = areas_m2(&scene, &soup);
     assert!((roofs / (2576.0 + 80.0) - 1.0).abs() < 1e-3, "{roofs}");
     assert!((walls / (6220.0 + 160.0 * 5.0 + 36.0 * 2.5) - 1.0).abs() < 1e-3, "{walls}");
     assert!((scene.mesh.bounds().0.z + scene.mesh.origin.z - 100.0).abs() < 0.01);
@@ -110,7 +100,7 @@ fn all_layouts_of_geojson_give_the_same_house() {
         let (_folder, path) = written(name, &text);
         let options = FootprintOptions { height: vec!["10m".parse().expect("metres")], ..FootprintOptions::default() };
         let (scene, soup) = load(&path, &options);
-        let [roofs, walls] = areas(&scene, &soup);
+        let [roofs, walls] = areas_m2(&scene, &soup);
         assert!((roofs - 152.7).abs() < 0.5 && (walls - 497.0).abs() < 1.0, "{text}: {roofs} {walls}");
     }
 }
@@ -161,36 +151,28 @@ fn implausible_files_are_refused_with_a_hint() {
 /// lengths or has one byte changed at any of 300 places.
 #[test]
 fn damaged_files_cause_no_panic() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let mut state = 0x2545_f491_4f6c_dd1d_u64;
-    let mut random = move |below: usize| {
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        (state % below as u64) as usize
-    };
+    let (folder, mut random) = (TestFolder::new(), Random::new());
     for ending in ["geojson", "gpkg", "shp.zip", "parquet", "shp", "dbf"] {
         let whole = match ending {
             "shp" | "dbf" => {
                 let parts =
                     heliotile_files::input::zipped_shapefile(&town("shp.zip")).expect("a zip").expect("a shapefile");
                 let table = parts.table.expect("a table");
-                std::fs::write(folder.path().join("x.dbf"), &table).expect("written");
-                std::fs::write(folder.path().join("x.shp"), &parts.shapes).expect("written");
+                folder.write("x.dbf", &table);
+                folder.write("x.shp", &parts.shapes);
                 if ending == "shp" { parts.shapes } else { table }
             }
             _ => std::fs::read(town(ending)).expect("there"),
         };
-        let path = folder.path().join(format!("x.{ending}"));
-        let asked = if ending == "dbf" { folder.path().join("x.shp") } else { path.clone() };
+        let asked = folder.at(&format!("x.{}", if ending == "dbf" { "shp" } else { ending }));
         let (mut read, mut refused) = (0, 0);
         for step in 0..360 {
             let mut bytes = whole.clone();
             match step {
-                0..60 => bytes.truncate(random(whole.len())),
-                _ => bytes[random(whole.len())] ^= 1 << random(8),
+                0..60 => bytes.truncate(random.below(whole.len())),
+                _ => bytes[random.below(whole.len())] ^= 1 << random.below(8),
             }
-            std::fs::write(&path, &bytes).expect("written");
+            folder.write(&format!("x.{ending}"), &bytes);
             let loaded = Scene::load_site(&site(&asked, &FootprintOptions::default(), None));
             if loaded.is_ok() { read += 1 } else { refused += 1 }
         }

@@ -8,7 +8,7 @@ use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 
 use crate::formats::gltf::*;
-use crate::formats::test_solids::{area_and_volume, cube};
+use crate::test_files::{TestFolder, area_and_volume, cube};
 
 fn asked() -> ReadOptions {
     ReadOptions { reflectances: true, ..ReadOptions::default() }
@@ -116,10 +116,10 @@ fn two_nodes_of_a_mesh_are_two_objects() {
 /// the same cube of 1 m3.
 #[test]
 fn all_containers_give_the_same_cube() {
-    let folder = tempfile::tempdir().expect("a scratch folder");
-    let write = |name: &str, bytes: &[u8]| fs::write(folder.path().join(name), bytes).expect("written");
+    let folder = TestFolder::new();
+    let write = |name: &str, bytes: &[u8]| folder.write(name, bytes);
     let read = |name: &str| {
-        let path = folder.path().join(name);
+        let path = folder.at(name);
         crate::formats::gltf::parse(&fs::read(&path).expect("written"), &path, &asked()).expect("readable")
     };
     let plain = scene(json!([{"mesh": 0}]));

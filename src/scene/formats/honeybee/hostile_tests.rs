@@ -6,7 +6,7 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use crate::formats::honeybee::*;
-use crate::polygon::triangulate;
+use crate::test_files::{assert_said, assert_too_many_corners};
 
 const TWO_ROOMS: &str = include_str!("../../../../tests/data/honeybee/two_rooms.hbjson");
 
@@ -146,11 +146,7 @@ fn odd_models_are_read_with_one_warning() {
         let model = json!({"type": "Model", "orphaned_shades": [odd, shade("plain", square.clone(), modifier(json!("m")))],
             "properties": {"radiance": {"modifiers": [{"type": "Plastic", "identifier": "m", "modifier": null}]}}});
         let geometry = read_bytes(model.to_string().as_bytes()).expect(words);
-        assert_eq!(geometry.face_count(), faces, "{words}");
-        let left = geometry.left_out.iter().map(|(reason, count)| format!("LEFT {count} {reason}"));
-        let said: Vec<String> = geometry.warnings.iter().map(|said| said.plain()).chain(left).collect();
-        assert!(said.len() <= 1 && said.join("").contains(words), "{words}: {said:?}");
-        triangulate(&geometry).expect(words);
+        assert_said(&geometry, faces, words);
     }
 }
 
@@ -160,7 +156,5 @@ fn odd_models_are_read_with_one_warning() {
 fn a_polygon_of_a_million_corners_is_refused() {
     let zigzag: Vec<String> = (0..1_000_000).map(|i| format!("[{},{},5]", i % 1000, i / 1000)).collect();
     let geometry = read_bytes(shade(&format!("[{}]", zigzag.join(","))).as_bytes()).expect("readable");
-    assert_eq!((geometry.face_count(), geometry.vertices.len()), (1, 1_000_000));
-    let message = triangulate(&geometry).expect_err("too many").to_string();
-    assert!(message.contains("1000000, the limit is 65536"), "{message}");
+    assert_too_many_corners(&geometry);
 }

@@ -7,7 +7,7 @@ use glam::DVec3;
 use crate::coordinate::is_position;
 use crate::formats::building::frame::{Frame, area_vector};
 use crate::formats::building::notes::Notes;
-use crate::formats::building::reasons::{TOO_FAR, TOO_FEW};
+use crate::formats::building::notes::{TOO_FAR, TOO_FEW};
 use crate::formats::honeybee::document::Face3D;
 use crate::formats::honeybee::kind::Surface;
 use crate::formats::honeybee::materials::Materials;

@@ -13,6 +13,7 @@ use crate::formats::honeybee::optics::{Layers, of_construction};
 use crate::formats::honeybee::properties::Layer;
 use crate::formats::honeybee::*;
 use crate::polygon::triangulate;
+use crate::test_files::load_text;
 use heliotile_core::site::bands::Band;
 use heliotile_core::site::material::{Class, Glass, Material};
 
@@ -319,12 +320,7 @@ fn a_model_is_recognised_by_its_type() {
     ] {
         assert_eq!(is_model(text.as_bytes()), is, "{text:.50}");
     }
-    let folder = tempfile::tempdir().expect("a scratch folder");
-    let load = |name: &str| {
-        let path = folder.path().join(name);
-        std::fs::write(&path, TWO_ROOMS).expect("written");
-        crate::Scene::load(&path, None).expect("a scene")
-    };
+    let load = |name: &str| load_text(name, TWO_ROOMS).expect("a scene").0;
     let scene = load("a.hbjson");
     assert_eq!((load("b.json").content_hash(), scene.report.faces_read), (scene.content_hash(), 33));
 }

@@ -20,7 +20,7 @@ use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::conditions::{Condition, parse_conditions};
 use heliotile_core::weather::options::WeatherOptions;
 use heliotile_remote::places::open_archive;
-use heliotile_requests::Request;
+use heliotile_requests::{DefaultRequest, Request};
 use heliotile_results::resources::Resources;
 use heliotile_scene::request::SceneRequest;
 
@@ -35,7 +35,7 @@ const HOURS: usize = 8;
 const FEW: usize = 64;
 
 /// Request for an audit.
-#[derive(Clone, Debug, Request)]
+#[derive(Clone, Debug, Request, DefaultRequest)]
 pub struct AuditRequest {
     /// Archive to audit.
     #[field(positional, required, input = Archive)]
@@ -83,24 +83,6 @@ struct AuditConditions {
     name: String,
     /// Number of conditions under which each receiver is checked.
     hours: usize,
-}
-
-impl Default for AuditRequest {
-    fn default() -> Self {
-        AuditRequest {
-            archive: PathBuf::new(),
-            scene: SceneRequest::default(),
-            weather: None,
-            about_weather: WeatherOptions::default(),
-            conditions: None,
-            samples: None,
-            hours: None,
-            seconds: None,
-            paths: 4096,
-            seed: 1,
-            sky: SkyModel::default(),
-        }
-    }
 }
 
 impl AuditRequest {

@@ -1,7 +1,7 @@
 //! One engine: an archive, a weather file, and kept results. In: a request. Out: its answer.
 
 use heliotile_core::error::Result;
-use heliotile_core::sunlight::DayMinutes;
+use heliotile_sunlight::DayMinutes;
 use heliotile_core::weather::options::WeatherOptions;
 use serde_json::json;
 

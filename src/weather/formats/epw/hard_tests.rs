@@ -56,7 +56,7 @@ fn missing_light_is_computed_from_the_rest() {
     assert_eq!((w.rows[1].dhi_w_m2, w.rows[2].dni_w_m2), (100.0, 600.0));
     assert!(w.rows[3].dni_w_m2 > 300.0 && w.rows[3].dhi_w_m2 > 100.0, "{:?}", w.rows[3]);
     assert_eq!((w.rows[4].dni_w_m2, w.rows[4].dhi_w_m2), (0.0, 50.0));
-    let text = w.report.warnings.iter().map(|said| said.plain()).collect::<Vec<_>>().join("\n");
+    let text = w.report.told();
     for part in [
         "line 10 and on: missing DNI of 2 hours computed",
         "line 11 and on: missing DHI of 1 hours computed",
@@ -245,7 +245,7 @@ fn wrong_time_stamps_are_found_with_their_shift() {
         }
         let report = read(&rows).expect("valid").report;
         let closure = report.closure.expect("enough rows");
-        let text = report.warnings.iter().map(|said| said.plain()).collect::<Vec<_>>().join("\n");
+        let text = report.told();
         assert_eq!(text.contains("Nothing was shifted"), flagged, "{closure:?} {text}");
         assert!((closure.best_shift_min - late_min).abs() <= 2.0, "{closure:?}");
         assert!(flagged || closure.rmse_w_m2 < 0.1, "{closure:?}");
@@ -268,28 +268,14 @@ fn wrong_places_are_found_with_a_remedy() {
         ("39.74,105.18,-7.0", 598.7, true, ["a longitude of -105.1", "longitude 105.18 and"]),
     ] {
         let report = golden(place, wrong, &[]).expect("valid").report;
-        let text = report.warnings.iter().map(|said| said.plain()).collect::<Vec<_>>().join("\n");
+        let text = report.told();
         let closure = report.closure.expect("enough rows");
         assert_eq!(closure.best_shift_min, shift_min, "{text}");
         assert!(closure.best_rmse_w_m2 < 1.0 && parts.iter().all(|part| text.contains(part)), "{text}");
         assert_eq!(text.contains("h apart"), apart, "{text}");
     }
-    let flipped = golden(place, "-39.74,-105.18,-7.0", &[])
-        .expect("valid")
-        .report
-        .warnings
-        .iter()
-        .map(|said| said.plain())
-        .collect::<Vec<_>>()
-        .join("\n");
+    let flipped = golden(place, "-39.74,-105.18,-7.0", &[]).expect("valid").report.told();
     assert!(flipped.contains("does not hold: 214") && flipped.contains("Latitude"), "{flipped}");
-    let columns = golden("", "", &[(LIGHT[2], "450")])
-        .expect("valid")
-        .report
-        .warnings
-        .iter()
-        .map(|said| said.plain())
-        .collect::<Vec<_>>()
-        .join("\n");
+    let columns = golden("", "", &[(LIGHT[2], "450")]).expect("valid").report.told();
     assert!(columns.contains("does not hold") && columns.contains("DHI above GHI"), "{columns}");
 }

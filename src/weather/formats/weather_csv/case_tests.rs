@@ -83,23 +83,14 @@ fn columns_of_zeros_are_computed_from_the_others() {
             format!("{},{},{},{}", stamp(h), h.ghi, h.dni * shares[0], h.dhi * shares[1])
         });
         let weather = read(&text).expect("weather");
-        let words = weather.report.warnings.iter().map(|said| said.plain()).collect::<Vec<_>>().join("\n");
+        let words = weather.report.told();
         assert!(off(&weather) < most, "{name}: {} {words}", off(&weather));
         assert!(words.contains(&format!("{name} is 0 in all rows of 2021-06, where GHI sums to 14.3")), "{words}");
     }
     let overcast = table("time,ghi,dni,dhi", |h| format!("{},{},0,{}", stamp(h), h.dhi, h.dhi));
     let weather = read(&overcast).expect("weather");
     assert!(weather.rows.iter().all(|row| row.dni_w_m2 == 0.0));
-    assert!(
-        !weather
-            .report
-            .warnings
-            .iter()
-            .map(|said| said.plain())
-            .collect::<Vec<_>>()
-            .join("\n")
-            .contains("is 0 in all rows")
-    );
+    assert!(!weather.report.told().contains("is 0 in all rows"));
 }
 
 /// The names of BSRN, short and long, of PVWatts, of oemof and of SARAH give the sums of the plain
@@ -138,18 +129,7 @@ fn columns_that_are_not_read_are_named() {
     let error = error.expect_err("no total");
     assert!(error.contains("`dhi`, give no total, and `direct`, `sum` are not read"), "{error}");
     let weather = read(&table("time,ghi,direct", |h| format!("{},{},{}", stamp(h), h.ghi, h.dni))).expect("weather");
-    assert!(
-        weather
-            .report
-            .warnings
-            .iter()
-            .map(|said| said.plain())
-            .collect::<Vec<_>>()
-            .join("\n")
-            .contains("not read: `direct`"),
-        "{:?}",
-        weather.report.warnings
-    );
+    assert!(weather.report.told().contains("not read: `direct`"), "{:?}", weather.report.warnings);
     let error = read(&table("time,ghi,bhi", |h| format!("{},{},{}", stamp(h), h.ghi, h.dni))).expect_err("above");
     assert!(error.contains("column `bhi`") && error.contains("exceeds GHI"), "{error}");
 }
@@ -164,17 +144,7 @@ fn stamps_that_cannot_be_starts_are_placed() {
             table("time,dni,dhi", |h| format!("2021-06-{:02}T{:02}:{minute}+01:00,{},{}", h.day, h.hour, h.dni, h.dhi));
         let weather = read(&text).expect("weather");
         assert!(off(&weather) < 0.01, "{minute}: {}", off(&weather));
-        assert!(
-            weather
-                .report
-                .warnings
-                .iter()
-                .map(|said| said.plain())
-                .collect::<Vec<_>>()
-                .join("\n")
-                .contains(&format!("read as the {said}")),
-            "{minute}"
-        );
+        assert!(weather.report.told().contains(&format!("read as the {said}")), "{minute}");
     }
     let plain = read(&table("time,dni,dhi", |h| format!("{},{},{}", stamp(h), h.dni, h.dhi))).expect("weather");
     // The zenith of the stamp, of half an hour later and of half an hour earlier.
@@ -208,18 +178,7 @@ fn direct_horizontal_light_named_dni_is_found_by_its_sum() {
     let text = table("time,ghi,dni,dhi", |h| format!("{},{},{:.1},{}", stamp(h), h.ghi, h.ghi - h.dhi, h.dhi));
     let weather = read(&text).expect("weather");
     assert!(off(&weather) < 0.02, "{}", off(&weather));
-    assert!(
-        weather
-            .report
-            .warnings
-            .iter()
-            .map(|said| said.plain())
-            .collect::<Vec<_>>()
-            .join("\n")
-            .contains("name it `bhi`"),
-        "{:?}",
-        weather.report.warnings
-    );
+    assert!(weather.report.told().contains("name it `bhi`"), "{:?}", weather.report.warnings);
 }
 
 /// A logger that shows 1 W/m2 all night adds nothing: DHI of the hours with the sun below -6
@@ -229,7 +188,7 @@ fn an_offset_at_night_is_left_out() {
     let text = table("time,ghi,dni,dhi", |h| format!("{},{},{},{}", stamp(h), h.ghi.max(1.0), h.dni, h.dhi.max(1.0)));
     let weather = read(&text).expect("weather");
     let dark = weather.rows.iter().filter(|row| row.dhi_w_m2 == 0.0).count();
-    let words = weather.report.warnings.iter().map(|said| said.plain()).collect::<Vec<_>>().join("\n");
+    let words = weather.report.told();
     assert_eq!(dark, 12, "{words}");
     assert!(words.contains("light of 12 hours with the sun more than 6 degrees below"), "{words}");
 }

@@ -67,7 +67,8 @@ pub fn table(path: &Path, bytes: &[u8]) -> Result<JsonTable> {
         pvgis(path, &document, &mut head)?;
     }
     place(&document, &mut head);
-    head.first_row = records.first().map(row_text).unwrap_or_default();
+    let cells = records.first().into_iter().flatten();
+    head.first_row = cells.map(|cell| String::from_utf8_lossy(cell).into_owned()).collect();
     head.names = names;
     Ok(JsonTable { head, records })
 }
@@ -92,10 +93,6 @@ fn split_table(document: &Value) -> Option<NamesAndRows> {
 }
 
 type NamesAndRows = (Vec<String>, Vec<ByteRecord>);
-
-fn row_text(record: &ByteRecord) -> Vec<String> {
-    record.iter().map(|cell| String::from_utf8_lossy(cell).into_owned()).collect()
-}
 
 /// Describes a document without a table.
 fn described(document: &Value) -> String {

@@ -133,13 +133,7 @@ fn units_of_ground_and_air_are_converted() {
         assert!((row.albedo.expect("albedo") - 0.2).abs() < 1e-9 && (air.dry_bulb_c.expect("air") - 15.0).abs() < 1e-9);
         assert_eq!(weather.report.warnings.len(), 2, "no year, and light at night: {:?}", weather.report.warnings);
     }
-    let said = made("albedo,temp_air", "20,288.15")
-        .report
-        .warnings
-        .iter()
-        .map(|said| said.plain())
-        .collect::<Vec<_>>()
-        .join("\n");
+    let said = made("albedo,temp_air", "20,288.15").report.told();
     for part in
         ["48 values of `albedo`, the first `20`, lie outside 0 to 1", "48 values of `temp_air`, the first `288.15`"]
     {

@@ -154,7 +154,7 @@ impl StampColumns {
         let date = whole.iter().copied().find(|place| looks_dated(head, *place));
         let clocks = |names: &[&str]| {
             let places = names.iter().filter_map(|name| place(&[name]));
-            places.into_iter().find(|place| Some(*place) != date && is_clock(head, *place))
+            places.into_iter().find(|place| Some(*place) != date && parse_clock(head.first(*place)).is_some())
         };
         let clock = clocks(CLOCK);
         for (clock, at) in [
@@ -207,10 +207,6 @@ fn is_whole(head: &Head, place: usize) -> bool {
     let text = text.split_once('/').filter(|(start, _)| start.len() > 10).map_or(text, |(start, _)| start);
     let stamp = |order| parse_stamp(text, Some(order)).is_some_and(|stamp| stamp.has_time);
     [DateOrder::Dmy, DateOrder::Mdy].into_iter().any(stamp)
-}
-
-fn is_clock(head: &Head, place: usize) -> bool {
-    parse_clock(head.first(place)).is_some()
 }
 
 /// Returns the zone that all stamps of a layout are in, as if each of them stated it.

@@ -157,14 +157,7 @@ fn the_shift_of_time_stamps_is_found() {
     // Remedies are a longitude 5 degrees further, or a clock 20 minutes back. The second is none
     // where stamps state their zone.
     let ways = |text: &str| {
-        let said = at_nice(text)
-            .expect("valid")
-            .report
-            .warnings
-            .iter()
-            .map(|said| said.plain())
-            .collect::<Vec<_>>()
-            .join("\n");
+        let said = at_nice(text).expect("valid").report.told();
         ["a longitude of 12.3", "a time zone of 0.67", "time zone, longitude"].map(|way| said.contains(way))
     };
     assert_eq!(ways(&sky(27.5)), [true; 3]);
@@ -304,7 +297,7 @@ fn gaps_in_light_are_filled_and_counted() {
                 2021-06-01T12:00,700,500,-999,1.5,-1,25,,300\n\
                 2021-06-01T13:00,700,9999,100,0.3,999,99.9,50,300\n";
     let weather = at_nice(text).expect("valid");
-    let warnings = weather.report.warnings.iter().map(|said| said.plain()).collect::<Vec<_>>().join("\n");
+    let warnings = weather.report.told();
     for part in ["line 2 and on: missing DHI of 3 hours", "line 5 and on: missing DNI of 1 hours"] {
         assert!(warnings.contains(part), "{warnings}");
     }
@@ -326,7 +319,7 @@ fn missing_rows_give_a_warning() {
     let text =
         rows(&["2021-06-01T10:00", "2021-06-01T11:00", "2021-06-01T13:00", "2021-06-01T14:00", "2021-06-01T17:00"]);
     let weather = at_nice(&text).expect("valid");
-    let told = weather.report.warnings.iter().map(|said| said.plain()).collect::<Vec<_>>().join("\n");
+    let told = weather.report.told();
     assert!(told.contains("line 4 and on: 3 rows (3.0 hours) are missing in 2 gaps"), "{told}");
     assert_eq!(weather.rows[4].interval.label(), "2021-06-01T17:00");
     let typical = rows(&["2018-01-31T22:00Z", "2018-01-31T23:00Z", "2007-02-01T00:00Z", "2007-02-01T01:00Z"]);

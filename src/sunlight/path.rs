@@ -5,12 +5,12 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use crate::hemisphere::texel_of;
-use crate::layers::sides::TextureSides;
-use crate::site::north::North;
-use crate::sunlight::spells::Spells;
-use crate::weather::time::calendar::Date;
-use crate::weather::time::sun::Location;
+use crate::spells::Spells;
+use heliotile_core::hemisphere::texel_of;
+use heliotile_core::layers::sides::TextureSides;
+use heliotile_core::site::north::North;
+use heliotile_core::weather::time::calendar::Date;
+use heliotile_core::weather::time::sun::Location;
 
 /// Minutes between computed positions. In between, a cubic through the four nearest is right to
 /// 1e-7 rad (test).
@@ -279,7 +279,7 @@ fn bisect(mut low: f64, mut high: f64, is_so: impl Fn(f64) -> bool) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::units::direction_from_degrees;
+    use heliotile_core::units::direction_from_degrees;
 
     fn day(latitude_deg: f64, month: u32) -> (Location, SunDay) {
         let site = Location::new(latitude_deg, 5.0, 1.0, 0.0).expect("a site");

@@ -1,14 +1,14 @@
 //! Minutes of sun of all receivers of a tile on one day, for the web page, where the user chooses
 //! the day. In: a site, a date. Out: minutes.
 
-use crate::error::Result;
-use crate::light::mirrors::MirrorTable;
-use crate::opened::OpenSite;
-use crate::sunlight::mirrored::{TileMirrors, in_any};
-use crate::sunlight::path::{SunDay, SunPasses};
-use crate::sunlight::seen::{SeenSky, SunSeen};
-use crate::weather::time::calendar::Date;
-use crate::weather::time::sun::Location;
+use crate::mirrored::{TileMirrors, in_any};
+use crate::path::{SunDay, SunPasses};
+use crate::seen::{SeenSky, SunSeen};
+use heliotile_core::error::Result;
+use heliotile_core::light::mirrors::MirrorTable;
+use heliotile_core::opened::OpenSite;
+use heliotile_core::weather::time::calendar::Date;
+use heliotile_core::weather::time::sun::Location;
 
 /// A day over a site.
 pub struct DayMinutes {

@@ -4,17 +4,15 @@
 
 use glam::DVec3;
 
-use crate::error::Result;
-use crate::layers::sky_bitmap::SkyBitmap;
-use crate::light::mirrors::{MirrorTable, Reflection};
-use crate::opened::OpenSite;
-use crate::replay::direct::specular::MirrorView;
-use crate::replay::tile_layers::mirror_views;
-use crate::site::chain::Chain;
-use crate::sunlight::path::{SunDay, SunPasses};
-use crate::sunlight::seen::{SeenSky, SunSeen};
-use crate::sunlight::spells::Spells;
-use crate::weather::clear::clear_sky;
+use crate::path::{SunDay, SunPasses};
+use crate::seen::{SeenSky, SunSeen};
+use crate::spells::Spells;
+use heliotile_core::error::Result;
+use heliotile_core::light::mirrors::{MirrorTable, Reflection};
+use heliotile_core::opened::OpenSite;
+use heliotile_core::replay::{MirrorView, mirror_views};
+use heliotile_core::site::chain::Chain;
+use heliotile_core::weather::clear::clear_sky;
 
 /// Views of the sky that a receiver has in mirrors.
 pub struct MirrorSuns<'m> {
@@ -69,7 +67,7 @@ impl TileMirrors {
     /// Returns the mirror views of a receiver, by its row and normal.
     pub fn of_receiver(&self, row: usize, normal: DVec3) -> MirrorSuns<'_> {
         let views = self.0.get(row).map_or(&[][..], Vec::as_slice);
-        MirrorSuns { views: views.iter().map(|view| (view, view.seen_sky())).collect(), normal }
+        MirrorSuns { views: views.iter().map(|view| (view, seen_sky(view))).collect(), normal }
     }
 }
 
@@ -134,12 +132,10 @@ impl MirrorSpells<'_> {
     }
 }
 
-impl MirrorView {
-    /// Returns the view's part of the sky, for the lookup of the sun's path.
-    fn seen_sky(&self) -> SeenSky<'_> {
-        let sky: &SkyBitmap = self.sky();
-        SeenSky::of_part(sky, self.first(), self.whole_base())
-    }
+/// Returns the view's part of the sky, for the lookup of the sun's path.
+fn seen_sky(view: &MirrorView) -> SeenSky<'_> {
+    let sky = view.sky();
+    SeenSky::of_part(sky, view.first(), view.whole_base())
 }
 
 /// Returns the union of the spells of several chains.

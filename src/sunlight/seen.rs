@@ -1,9 +1,9 @@
 //! Direct sunlight of a receiver on a day. In: its sky bits, the texels that the sun passes. Out:
 //! spells of sun, sure spells, and possible spells.
 
-use crate::layers::sky_bitmap::{BaseTexel, SkyBitmap, Texel};
-use crate::sunlight::path::{BasePass, SunPasses};
-use crate::sunlight::spells::Spells;
+use crate::path::{BasePass, SunPasses};
+use crate::spells::Spells;
+use heliotile_core::layers::sky_bitmap::{BaseTexel, SkyBitmap, Texel};
 
 /// Spells in which the sun's centre is seen on a day.
 ///
@@ -335,16 +335,16 @@ impl SunSeen {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hemisphere::{texel_centres, texel_direction};
-    use crate::layers::sides::TextureSides;
-    use crate::layers::sky::{SkyTexture, front_of};
-    use crate::layers::texel_block::TexelBlock;
-    use crate::site::north::North;
-    use crate::sunlight::path::SunDay;
-    use crate::units::direction_from_degrees;
-    use crate::weather::time::calendar::Date;
-    use crate::weather::time::sun::Location;
+    use crate::path::SunDay;
     use glam::{DVec2, DVec3};
+    use heliotile_core::hemisphere::{texel_centres, texel_direction};
+    use heliotile_core::layers::sides::TextureSides;
+    use heliotile_core::layers::sky::{SkyTexture, front_of};
+    use heliotile_core::layers::texel_block::TexelBlock;
+    use heliotile_core::site::north::North;
+    use heliotile_core::units::direction_from_degrees;
+    use heliotile_core::weather::time::calendar::Date;
+    use heliotile_core::weather::time::sun::Location;
 
     /// Returns the sky of a receiver for which `sees` tells the open directions.
     fn sky(normal: DVec3, base: usize, fine: usize, sees: impl Fn(DVec3) -> bool) -> SkyBitmap {
