@@ -93,8 +93,8 @@ fn the_report_counts_faces_and_triangles() {
 #[test]
 fn mtl_counts_without_materials_toml() {
     let folder = TestFolder::new();
-    let obj = folder
-        .write("town.obj", &format!("mtllib a.mtl b.mtl\n{VERTICES}usemtl wall\nf 1 2 5\nusemtl roof\nf 1 3 4\n"));
+    let obj =
+        folder.write("town.obj", format!("mtllib a.mtl b.mtl\n{VERTICES}usemtl wall\nf 1 2 5\nusemtl roof\nf 1 3 4\n"));
     folder.write("a.mtl", "newmtl wall\nKd 0.4 0.5 0.6\n");
     folder.write("b.mtl", "newmtl roof\nKd 0.1 0.1 0.1\nKs 0.5 0.5 0.5\nillum 3\n");
     let scene = Scene::load(&obj, None).expect("readable");
@@ -111,7 +111,7 @@ fn mtl_counts_without_materials_toml() {
 #[test]
 fn a_material_missing_in_the_table_is_an_error() {
     let folder = TestFolder::new();
-    let obj = folder.write("town.obj", &format!("{VERTICES}f 1 2 3 4\n"));
+    let obj = folder.write("town.obj", format!("{VERTICES}f 1 2 3 4\n"));
     let materials = folder.write("materials.toml", MATERIALS);
     let strict = Part { materials_only: true, ..Part::plain(&obj, Some(&materials)) };
     let refused = Scene::load_site(&SceneFiles { parts: vec![strict], ..SceneFiles::default() });
@@ -131,7 +131,7 @@ fn a_table_overlays_the_library() {
         folder.write(&format!("{name}.mtl"), library);
         folder.write(
             &format!("{name}.obj"),
-            &format!("mtllib {name}.mtl\n{VERTICES}usemtl wall\nf 1 2 5\nusemtl roof\nf 1 3 4\n"),
+            format!("mtllib {name}.mtl\n{VERTICES}usemtl wall\nf 1 2 5\nusemtl roof\nf 1 3 4\n"),
         )
     };
     let obj = town("town", "newmtl wall\nKd red\nnewmtl roof\nKd 0.4 0.5 0.6\n");
@@ -158,7 +158,7 @@ fn a_table_overlays_the_library() {
 #[test]
 fn an_undescribed_material_is_assumed() {
     let folder = TestFolder::new();
-    let scene = Scene::load(&folder.write("town.obj", &format!("{VERTICES}f 1 2 3 4\n")), None).expect("assumed");
+    let scene = Scene::load(&folder.write("town.obj", format!("{VERTICES}f 1 2 3 4\n")), None).expect("assumed");
     assert_eq!((scene.materials[0].diffuse, scene.report.warnings.len()), (0.2, 1));
     let found = &scene.report.warnings[0];
     assert!(found.contains("`default` diffuse 0.2") && found.contains("materials"), "{found:?}");

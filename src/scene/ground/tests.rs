@@ -46,7 +46,7 @@ fn a_scene_without_ground_gets_a_plane() {
     assert!(said[0].contains("no_ground") && said[0].contains("[endless_ground]"), "{:?}", said[0]);
     assert!(scene.report.assumed.contains(&"endless_ground".to_owned()));
 
-    let around = folder.write("lawn.obj", &format!("{BOX}{LAWN}"));
+    let around = folder.write("lawn.obj", format!("{BOX}{LAWN}"));
     assert_eq!(plane(&load(&[&around], None)), (2.0, None));
     let table = folder.write("m.toml", "[endless_ground]\ndiffuse = 0.3\nelevation = 1\n");
     assert_eq!(plane(&load(&[&bare], Some(&table))), (1.0, Some(0.3)));
@@ -113,7 +113,7 @@ fn floors_of_a_city_model_are_no_ground() {
     let objects = city["CityObjects"].as_object_mut().expect("objects");
     objects.retain(|_, object| object["type"] != "TINRelief");
     let folder = TestFolder::new();
-    let bare = folder.write("bare.city.json", &city.to_string());
+    let bare = folder.write("bare.city.json", city.to_string());
     assert_eq!(plane(&load(&[&bare], None)), (3.692, Some(0.2)));
     assert_eq!(plane(&load(&[&data.join("small.city.jsonl")], None)).1, Some(0.2));
 }
@@ -140,7 +140,7 @@ fn a_model_gets_its_monthly_ground() {
     let lawn = folder.write("lawn.obj", LAWN);
     let scene = load(&[&model, &lawn], None);
     assert_eq!((plane(&scene), scene.ground), ((1.0, None), None));
-    let plain = folder.write("plain.idf", &MODEL.replace("0.4", "0.2"));
+    let plain = folder.write("plain.idf", MODEL.replace("0.4", "0.2"));
     let scene = load(&[&plain], None);
     assert_eq!((plane(&scene), scene.ground), ((-0.01, Some(0.2)), None));
 }
