@@ -10,7 +10,7 @@ courts     blocks around courts of 8 to 25 m with light walls
 arcades    a square with walks behind pillars and bridges between its houses
 slopes     houses on hills
 trees      a suburb with crowns of leaves along its streets
-mirrors    terraces, every third of which has a facade of mirrors
+mirrors    terraces, one house of sixteen of which is of mirrors: each mirror takes the path tracer as long as a site without
 
 The same seed gives the same site. The receivers are 400 of those that `heliotile receivers` puts on the middle of the site: half on walls, a quarter on roofs,
 a quarter on the ground.
@@ -56,7 +56,7 @@ def dense(draw):
 
 def mirrors(draw):
     site = Site({"street": (0.2, "ground"), "wall": (0.3, "obstruction"), "roof": (0.2, "obstruction"), "mirror": (0.05, "obstruction", draw.uniform(0.2, 0.5))})
-    terraces(site, draw, ["wall", "wall", "mirror"])
+    terraces(site, draw, ["wall"] * 15 + ["mirror"])
     return site
 
 
