@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use heliotile_core::archive::Archive;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::memory::MemoryBudget;
 
 /// Folder and memory budget of a piece of work.
@@ -21,5 +21,6 @@ pub fn complete(archive: &Archive) -> Result<()> {
         return Ok(());
     }
     let what = "the archive is a preview: part of its light is from before its scene was changed";
-    Err(Error::input(archive.path(), None, what, "complete it: give the command that made it, without {preview}"))
+    Err(Error::input(archive.path(), None, what, "complete it: give the command that made it, without {preview}")
+        .because(Problem::other_kind("preview")))
 }

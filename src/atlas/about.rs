@@ -6,7 +6,7 @@ use crate::listed::ListedPart;
 use crate::opened::Atlas;
 use crate::plan::PlannedPart;
 use crate::state::PartState;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::text::{Message, counted, listed, message};
 
 /// Most missing parts that the summary names.
@@ -24,7 +24,8 @@ pub fn built(atlas: &Atlas) -> Result<Vec<(&PlannedPart, PathBuf)>> {
             None,
             "has no built part",
             "build the parts with {command:build} ATLAS {part} all",
-        )),
+        )
+        .because(Problem::Lacks("parts"))),
         false => Ok(paths),
     }
 }

@@ -10,7 +10,7 @@ use crate::state::PartState;
 use heliotile_archives::transfer::Bounds;
 use heliotile_core::archive::format::{BlockKind, Entry};
 use heliotile_core::archive::{Access, Archive, format};
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::opened::{OpenSite, tiles_within};
 use heliotile_core::text::message;
 use heliotile_remote::Directory;
@@ -53,7 +53,7 @@ pub fn check_square(archive: &Archive, part: &str, low: DVec2, high: DVec2, reac
     let hint = message!(
         "it belongs to another part: build {part} again with {{command:build}} ATLAS {{part}} {part} {{fresh}}"
     );
-    Err(Error::input(archive.path(), None, what, hint))
+    Err(Error::input(archive.path(), None, what, hint).because(Problem::OtherSite))
 }
 
 impl Atlas {
@@ -163,6 +163,6 @@ impl Atlas {
         let named = missing.iter().take(NAMED).copied().collect::<Vec<_>>().join(", ");
         let verb = if missing.len() == 1 { "is" } else { "are" };
         let what = format!("{} of its parts {verb} not built yet: {named}", missing.len());
-        Err(Error::input(&self.shown(), None, what, hint))
+        Err(Error::input(&self.shown(), None, what, hint).because(Problem::Lacks("parts")))
     }
 }

@@ -13,7 +13,7 @@ use crate::opened::Atlas;
 use crate::plan::{FILE, PlannedPart, is_atlas};
 use crate::state::{ARCHIVE, FOLDER, NOTHING};
 use heliotile_builder::trace::placement::Placement;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::observer::Observer;
 use heliotile_core::text::message;
@@ -47,7 +47,9 @@ pub struct PartRequest<'a> {
 pub fn build_parts(place: &Path, request: &PartRequest, observer: &dyn Observer) -> Result<()> {
     if !is_address(place) && !is_atlas(place) {
         let what = format!("is not a folder of an atlas: it holds no {FILE}");
-        return Err(Error::input(place, None, what, "make one with `{command:atlas partition}`"));
+        return Err(
+            Error::input(place, None, what, "make one with `{command:atlas partition}`").because(Problem::Lacks(FILE))
+        );
     }
     let atlas = Atlas::open(place)?;
     let before = request.from.map(Atlas::find).transpose()?.flatten();
@@ -142,7 +144,7 @@ impl PartBuild<'_> {
             let what = "changed since the region was cut: other parts use the earlier file";
             if !request.fresh {
                 let hint = "make another atlas with `{command:atlas partition}`, restore the earlier file, or build this part from the present file with {fresh}";
-                return Err(Error::input(&file, None, what, hint));
+                return Err(Error::input(&file, None, what, hint).because(Problem::OtherInputs));
             }
             observer.warn(format!("{}: {what}", file.display()));
         }

@@ -10,7 +10,7 @@ use crate::plan::{AtlasPlan, CutRequest, FILE, absolute, is_atlas};
 use crate::seam_trial;
 use crate::state::PartState;
 use heliotile_archives::Workspace;
-use heliotile_core::error::{Error, Result, check_ranges};
+use heliotile_core::error::{Error, Problem, Result, check_ranges};
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::observer::Observer;
 use heliotile_files::spill::parse_memory;
@@ -75,7 +75,7 @@ fn check_folder(request: &PartitionRequest) -> Result<()> {
     }
     if !request.replace {
         let hint = "keep both with {output} FOLDER, or replace it with {replace} if none of its parts is built";
-        return Err(Error::input(atlas, None, "holds an atlas already", hint));
+        return Err(Error::input(atlas, None, "holds an atlas already", hint).because(Problem::Exists));
     }
     match parts(atlas, None)?.iter().find(|part| part.state != PartState::Missing) {
         None => Ok(()),
@@ -86,7 +86,8 @@ fn check_folder(request: &PartitionRequest) -> Result<()> {
                 None,
                 what,
                 "name another folder with {output} FOLDER, or remove its folder `parts`",
-            ))
+            )
+            .because(Problem::Exists))
         }
     }
 }

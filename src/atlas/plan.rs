@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::seams::Seams;
 use heliotile_builder::planning::AccuracyRequest;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::text::message;
 use heliotile_core::units::parse_metres;
 use heliotile_files::input;
@@ -166,7 +166,7 @@ impl AtlasPlan {
 
     /// Parses the bytes of a plan; `path` is for messages.
     pub fn of_file(path: &Path, bytes: &[u8]) -> Result<Self> {
-        let refuse = |what: String| Error::input(path, None, what, AGAIN);
+        let refuse = |what: String| Error::input(path, None, what, AGAIN).because(Problem::Damaged);
         #[derive(Deserialize)]
         struct Stated {
             heliotile_atlas: u32,
@@ -223,6 +223,7 @@ impl AtlasPlan {
                 what,
                 format!("give a number from 0 to {last}, `all`, or a name: {}, ...", names.join(", ")),
             )
+            .because(Problem::unknown(asked, []))
         })
     }
 

@@ -7,7 +7,7 @@ use crate::opened::Atlas;
 use heliotile_archives::Workspace;
 use heliotile_archives::transfer::{Bounds, Selection};
 use heliotile_core::archive::{Access, Archive};
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::memory::Use;
 use heliotile_core::opened::OpenSite;
 use heliotile_remote::places::open_archive;
@@ -48,7 +48,8 @@ pub fn holding(place: &Path, chosen: Option<&Selection>, access: Access, workspa
                 None,
                 what,
                 format!("give the archive of each part by itself, such as {named}"),
-            ))
+            )
+            .because(Problem::other_kind("atlas")))
         }
     }
 }
@@ -65,6 +66,6 @@ pub fn open(place: &Path, access: Access) -> Result<Sources> {
 pub fn sources_of(atlas: &Atlas, within: Option<Bounds>, access: Access) -> Result<Sources> {
     Sources::new(atlas.archives(within, access)?, || {
         let what = "no part of the atlas holds a requested receiver";
-        Error::input(&atlas.shown(), None, what, "give a box in coordinates of the scene files")
+        Error::input(&atlas.shown(), None, what, "give a box in coordinates of the scene files").because(Problem::Empty)
     })
 }

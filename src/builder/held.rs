@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::tables::{GeometryTable, ObjectsTable, OverviewTable, PartsTable};
 use heliotile_core::archive::{Archive, format};
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::opened::OpenSite;
 use heliotile_core::site::grid::Grid;
 use heliotile_core::site::receiver::Receiver;
@@ -24,7 +24,8 @@ pub fn check_scene(archive: &Archive) -> Result<()> {
         None,
         "the archive does not hold its scene, so what changes cannot be found",
         "build it again without {no_scene}, or trace the changed scene anew, without {from}",
-    ))
+    )
+    .because(Problem::Lacks("scene")))
 }
 
 /// Returns the scene that an archive was traced from, or an error if the archive does not hold it.

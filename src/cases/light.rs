@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use heliotile_atlas::{ExportRequest, SunPosition};
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::replay::components::{Component, ComponentList};
 use heliotile_core::text::Message;
@@ -368,7 +368,7 @@ impl Comfort {
         if people.points.is_some() || !people.folder.as_os_str().is_empty() || people.replace {
             let what = "apply to scene files only: an archive states where people stand";
             let hint = "leave them out, or give the scene files in place of the archive";
-            return Err(Error::argument("points, folder, replace", what, hint));
+            return Err(Error::argument("points, folder, replace", what, hint).because(Problem::other_kind("archive")));
         }
         Ok(place.to_path_buf())
     }

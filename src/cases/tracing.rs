@@ -58,7 +58,7 @@ impl Build {
             [only] if only.join(FILE).is_file() => {
                 let hint = "give {part} all, or the name or number of a part; the atlas states its inputs";
                 let what = format!("{} is an atlas, and the part to build is not given", only.display());
-                Error::argument("part", what, hint)
+                Error::argument("part", what, hint).because(Problem::Missing)
             }
             _ if self.dry_run => Error::argument("receivers", "is not given", "give it too").because(Problem::Missing),
             _ => Error::argument(

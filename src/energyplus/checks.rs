@@ -4,7 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::document::{Document, Form, ModelObject};
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::text::{Message, message, with_list};
 use heliotile_scene::ModelVersion;
 
@@ -58,7 +58,7 @@ pub fn check(document: &Document, assumed: Option<ModelVersion>) -> Result<()> {
         let what =
             format!("{} sets `{ACTUATED}` of `{surface}` already: light would be injected twice", actuator.title());
         let hint = "give the original model, without the objects that heliotile added";
-        return Err(Error::input(&document.file, line(actuator), what, hint));
+        return Err(Error::input(&document.file, line(actuator), what, hint).because(Problem::duplicate(surface)));
     }
     Ok(())
 }
@@ -90,7 +90,8 @@ fn version_note(document: &Document, assumed: Option<ModelVersion>) -> Result<Op
     }
     let version = version.map_or_else(|| text.to_owned(), |version| version.to_string());
     let what = format!("is a model for EnergyPlus {version}, but the result is to run in {VERSION}");
-    Err(Error::input(&document.file, line(object), what, how_to_bring(document.form, &version)))
+    Err(Error::input(&document.file, line(object), what, how_to_bring(document.form, &version))
+        .because(Problem::OtherVersion(version.to_string())))
 }
 
 /// Returns the hint how to convert a model of a version to one that runs.
@@ -125,7 +126,8 @@ fn check_names(document: &Document) -> Result<()> {
                 object.title(),
                 other.title()
             );
-            return Err(Error::input(&document.file, line(object), what, "give every surface a name of its own"));
+            return Err(Error::input(&document.file, line(object), what, "give every surface a name of its own")
+                .because(Problem::duplicate(object.name())));
         }
     }
     Ok(())

@@ -8,7 +8,7 @@ use csv::{ErrorKind, ReaderBuilder, StringRecord, Trim};
 
 use crate::input;
 use crate::text::{excerpt, without_byte_order_mark};
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::text::Message;
 
 /// Longest row that is read, bytes, including blank lines before it.
@@ -83,6 +83,7 @@ impl<'a> CsvRows<'a> {
 /// Returns the error for one cell.
 pub fn cell_error(file: &Path, line: usize, column: &str, text: &str, why: &str, hint: impl Into<Message>) -> Error {
     Error::input(file, line, format!("column `{column}` is `{}`, {why}", excerpt(text.as_bytes())), hint)
+        .because(Problem::value(column, text))
 }
 
 /// Reader that keeps the bytes it returned until their lines are counted.

@@ -10,7 +10,7 @@ use super::stored;
 use heliotile_core::archive::pointer::{MAX_POINTER, Pointer};
 use heliotile_core::archive::read_at::OpenFile;
 use heliotile_core::archive::{self, Access, Archive, ReadAt, VerifyReport, format};
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::text::Message;
 
 /// Name of the plan in the folder of an atlas.
@@ -26,7 +26,8 @@ pub fn open_archive(place: &Path, access: Access) -> Result<Archive> {
     if place.join(ATLAS).is_file() {
         let hint = "give the site.helio of one part; queries, replays, factors, buildings, places and checks accept a whole atlas, and \
                     `{command:atlas catalogue}` writes its page";
-        return Err(Error::input(place, None, "is an atlas, but a single archive is needed here", hint));
+        return Err(Error::input(place, None, "is an atlas, but a single archive is needed here", hint)
+            .because(Problem::other_kind("atlas")));
     }
     let Some(pointer) = pointer_at(place) else { return Archive::open_with(place, access) };
     let archive = Archive::open_with(&place.with_file_name(&pointer.name), access)?;

@@ -56,9 +56,65 @@ pub enum Problem {
         /// The other file.
         other: PathBuf,
     },
+    /// This name is given twice, or stands for two things.
+    Duplicate(String),
+    /// A value of a file, in a column or under a key, cannot be used.
+    Value {
+        /// Name of the column or the key.
+        name: String,
+        /// The value.
+        found: String,
+    },
+    /// A file lacks something that the request needs: `area`, `humidity`, `scene`.
+    Lacks(&'static str),
+    /// A file, or what was chosen of it, holds nothing to work with.
+    Empty,
+    /// A point or a receiver lies where it cannot be used.
+    Misplaced,
+    /// The name of a file does not have the ending of its kind.
+    Ending,
+    /// A file is of another kind than is needed: its kind.
+    OtherKind(String),
+    /// A file is of this version, which is not read.
+    OtherVersion(String),
+    /// A file was made from other inputs, or with other settings, than it is used with.
+    OtherInputs,
+    /// Two files are of different sites.
+    OtherSite,
+    /// A file that would be replaced is there already.
+    Exists,
+    /// Another run writes the file.
+    Busy,
+    /// A file is damaged or cut off.
+    Damaged,
 }
 
 impl Problem {
+    /// Returns the problem of a field beside another that excludes it.
+    pub fn excludes(other: &str) -> Self {
+        Problem::Excludes { other: other.to_owned() }
+    }
+
+    /// Returns the problem of a field without another that it needs.
+    pub fn needs(other: &str) -> Self {
+        Problem::Needs { others: vec![other.to_owned()] }
+    }
+
+    /// Returns the problem of a name that is given twice.
+    pub fn duplicate(found: impl Into<String>) -> Self {
+        Problem::Duplicate(found.into())
+    }
+
+    /// Returns the problem of a value in a column or under a key.
+    pub fn value(name: impl Into<String>, found: impl Into<String>) -> Self {
+        Problem::Value { name: name.into(), found: found.into() }
+    }
+
+    /// Returns the problem of a file of another kind.
+    pub fn other_kind(found: impl Into<String>) -> Self {
+        Problem::OtherKind(found.into())
+    }
+
     /// Returns the problem of a table that lacks a column.
     pub fn no_column(column: &str) -> Self {
         Problem::NoColumn { column: column.to_owned() }
@@ -81,6 +137,19 @@ impl Problem {
             Problem::Unknown { .. } => "unknown",
             Problem::NoColumn { .. } => "no-column",
             Problem::SameFile { .. } => "same-file",
+            Problem::Duplicate(_) => "duplicate",
+            Problem::Value { .. } => "value",
+            Problem::Lacks(_) => "lacks",
+            Problem::Empty => "empty",
+            Problem::Misplaced => "misplaced",
+            Problem::Ending => "ending",
+            Problem::OtherKind(_) => "other-kind",
+            Problem::OtherVersion(_) => "other-version",
+            Problem::OtherInputs => "other-inputs",
+            Problem::OtherSite => "other-site",
+            Problem::Exists => "exists",
+            Problem::Busy => "busy",
+            Problem::Damaged => "damaged",
         }
     }
 }
@@ -102,6 +171,14 @@ impl Wrong {
         let known: Vec<&str> = known.into_iter().collect();
         let hint = format!("give one of {}", known.join(", "));
         Wrong { problem: Problem::unknown(found, known), what: format!("`{found}` is not a known value"), hint }
+    }
+
+    /// Returns the reason with the text as what was found, unless the problem tells more.
+    pub fn found(mut self, text: &str) -> Self {
+        if self.problem == Problem::Other {
+            self.problem = Problem::Unreadable { found: text.to_owned() };
+        }
+        self
     }
 
     /// Returns the refusal of a request whose field has this text.

@@ -90,8 +90,8 @@ fn texts_fill_fields() {
         ("latitude", "91", "give degrees from -90 to 90", "out-of-range"),
         ("steps", "0", "0 is not in 1..=60", "out-of-range"),
         ("steps", "two", "two is not in", "unreadable"),
-        ("schedule", "roof", "give NAME=VALUE", "other"),
-        ("weather", "", "a value is required", "other"),
+        ("schedule", "roof", "give NAME=VALUE", "unreadable"),
+        ("weather", "", "a value is required", "unreadable"),
     ] {
         let refused = asked(&[(name, &[text])]).expect_err(text);
         assert!(

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::outputs::provenance::Provenance;
 use heliotile_core::archive::{Archive, Manifest, format};
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 
 /// Opened archives that are owned, at least one.
 pub struct Sources {
@@ -103,5 +103,6 @@ fn check_fit(first: &Archive, other: &Archive) -> Result<()> {
         () => return Ok(()),
     };
     let what = format!("was built with {what} than {}", first.path().display());
-    Err(Error::input(other.path(), None, what, "build the part again, with {part} K and {fresh}"))
+    Err(Error::input(other.path(), None, what, "build the part again, with {part} K and {fresh}")
+        .because(Problem::OtherInputs))
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::outputs::periods::Every;
 use heliotile_core::archive::Archive;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::{Component, ComponentList};
 use heliotile_core::replay::reflectances::{Changeable, Changes};
@@ -115,5 +115,6 @@ pub fn check_one_site(before: &Archive, after: &Archive) -> Result<()> {
     let words = |place: Option<Place>| place.map_or("no known place".to_owned(), |place| place.to_string());
     let (here, there, first) = (words(here), words(there), before.path().display());
     let what = format!("lies at {there}, and {first} at {here}: they are not of one site and coordinate system");
-    Err(Error::input(after.path(), None, what, "name archives of one site, built in one coordinate system"))
+    Err(Error::input(after.path(), None, what, "name archives of one site, built in one coordinate system")
+        .because(Problem::OtherSite))
 }

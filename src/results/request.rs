@@ -10,7 +10,7 @@ use super::doubts::{dated_rows, no_longwave, of_archive};
 use super::own_skies::{SkyChoice, SkyFiles};
 use super::resources::Resources;
 use crate::outputs::periods::Every;
-use heliotile_core::error::{Error, Result, check_ranges};
+use heliotile_core::error::{Error, Problem, Result, check_ranges};
 use heliotile_core::light::paths::LightPaths;
 use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::observer::Observer;
@@ -270,7 +270,8 @@ impl ReplayRequest {
         self.light.check()?;
         if !self.light.is_longwave() && !self.temperatures.is_empty() {
             let hint = "give {columns} total,longwave, or leave it out";
-            return Err(Error::argument("temperature", "no column depends on temperatures", hint));
+            return Err(Error::argument("temperature", "no column depends on temperatures", hint)
+                .because(Problem::needs("columns")));
         }
         Ok(())
     }

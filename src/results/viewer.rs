@@ -9,7 +9,7 @@ use crate::outputs::viewer_page::ViewerPage;
 use crate::receivers::ReceiverSet;
 use crate::resources::Resources;
 use heliotile_core::archive::{Access, Archive};
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::observer::Observer;
 use heliotile_core::opened::{OpenSite, ReceiverMatching, ReceiverPlace};
 use heliotile_core::weather::options::WeatherOptions;
@@ -86,7 +86,9 @@ impl PageRequest {
 /// equal.
 pub fn open_after(before: &Archive, after: &Path, access: Access, observer: &dyn Observer) -> Result<Archive> {
     let archive = open_archive(after, access)?;
-    let refuse = |what: String, hint: &'static str| Err(Error::input(archive.path(), None, what, hint));
+    let refuse = |what: String, hint: &'static str| {
+        Err(Error::input(archive.path(), None, what, hint).because(Problem::OtherSite))
+    };
     let first = before.path().display();
     check_one_site(before, &archive)?;
     if before.root() == archive.root() {

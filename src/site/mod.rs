@@ -14,7 +14,7 @@ use heliotile_archives::transfer::{self, ExtractContent, Extracted, Selection};
 use heliotile_atlas::plan::is_atlas;
 use heliotile_atlas::{CheckedArchive, ExportRequest, VerifyRequest};
 use heliotile_core::archive::Archive;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::observer::Observer;
 use heliotile_core::opened::OpenSite;
@@ -129,7 +129,7 @@ impl Site {
     pub fn only(&self) -> Result<&Archive> {
         self.archives().only().ok_or_else(|| {
             let hint = "open the archive of each part by itself";
-            Error::argument("archive", "is an atlas of several archives", hint)
+            Error::argument("archive", "is an atlas of several archives", hint).because(Problem::other_kind("atlas"))
         })
     }
 

@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use heliotile_builder::pipeline::PreparedScene;
 use heliotile_builder::siting::Siting;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::observer::Observer;
 use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::site::patch::Patch;
@@ -73,13 +73,15 @@ impl AlongRequest {
         for line in all {
             if !names.insert(line.name.clone()) {
                 let what = format!("`{}` names two lines: one of the file, and the way back of another", line.name);
-                return Err(Error::input(&self.lines, None, what, "rename one of the two lines"));
+                return Err(Error::input(&self.lines, None, what, "rename one of the two lines")
+                    .because(Problem::duplicate(&line.name)));
             }
             for (number, TravelPoint { at, ahead }) in (1..).zip(line.points(self.spacing_m)) {
                 let ground = || siting.ground_below(at.at.extend(highest_m + 1.0)).map(|below| below.z);
                 let z = at.z.or_else(ground).ok_or_else(|| {
                     let what = format!("there is no ground below line `{}` at {}, {}", line.name, at.at.x, at.at.y);
                     Error::input(&self.lines, None, what, "give a column z, or a scene with ground there")
+                        .because(Problem::Misplaced)
                 })?;
                 let name = format!("{}#{number}", line.name);
                 points.push(EyePoint { name, position: at.at.extend(z + self.height_m), ahead });

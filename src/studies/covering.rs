@@ -220,7 +220,7 @@ pub fn cover_scene(
                 "see where the parts of the scene lie (`{command:info}` of each): one may be below the terrain, or in another unit"
             }
         };
-        return Err(Error::argument("on", what, hint));
+        return Err(Error::argument("on", what, hint).because(Problem::Empty));
     }
     Ok(covered)
 }
@@ -256,6 +256,7 @@ fn too_many(density: Density, points: f64, area_m2: f64, of: impl Fn(Density) ->
     let unit = Message::from(
         "; if the area looks too large, state the unit of the scene, as in {scale} 0.001 for millimetres",
     );
+    let too_many = Problem::OutOfRange { found: points, least: 0.0, most: MAX_POINTS };
     let spacing_m = match density {
         Density::Spacing(metres) => metres,
         Density::PerSurface(count) => {
@@ -263,7 +264,7 @@ fn too_many(density: Density, points: f64, area_m2: f64, of: impl Fn(Density) ->
             let fewer = (f64::from(count) * MAX_POINTS / points).floor().max(1.0);
             let what = format!("{count} for each surface are {:.0} million receivers {limit}", points / 1e6);
             let hint = message!("{{per_surface}} {fewer:.0}, or fewer surfaces with {{on}}").and(unit);
-            return Error::argument("per_surface", what, hint);
+            return Error::argument("per_surface", what, hint).because(too_many);
         }
     };
     let wider = wide_enough(spacing_m, points, |metres| of(Density::Spacing(metres)));
@@ -274,7 +275,7 @@ fn too_many(density: Density, points: f64, area_m2: f64, of: impl Fn(Density) ->
         None => Message::from("cover fewer surfaces with {on}").and(unit),
     };
     let what = format!("{spacing_m} m would give {} receivers {limit}", millions(points));
-    Error::argument("spacing", what, hint)
+    Error::argument("spacing", what, hint).because(too_many)
 }
 
 fn millions(count: f64) -> String {
@@ -360,7 +361,7 @@ impl SurfaceSelection {
                 [] => "the scene has no roof, wall or window of a building".to_owned(),
                 names => format!("the scene has no surface of {}", names.join(", ")),
             };
-            return Err(Error::argument("on", what, choice(materials, surfaces)));
+            return Err(Error::argument("on", what, choice(materials, surfaces)).because(Problem::Empty));
         }
         Ok(wanted)
     }
@@ -423,7 +424,8 @@ pub fn check_name(path: &Path) -> Result<()> {
         return Ok(());
     }
     let what = "does not end with .csv, and this table is CSV";
-    Err(Error::input(path, None, what, format!("name it {}", path.with_extension("csv").display())))
+    Err(Error::input(path, None, what, format!("name it {}", path.with_extension("csv").display()))
+        .because(Problem::Ending))
 }
 
 /// Writes the table of the receivers that get light.

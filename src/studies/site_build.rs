@@ -17,7 +17,7 @@ use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_builder::settings::{BuildSettings, EffectChoice, Effects, Share};
 use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::{Access, Archive, format};
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::observer::Observer;
 use heliotile_core::replay::schedule_csv::ReadFile;
@@ -344,7 +344,9 @@ impl SiteBuild<'_> {
         }
         if !folder.replace && !differences.is_empty() {
             let what = Message::from("holds results of other inputs: ").and(Message::joined(differences, "; "));
-            return Err(Error::input(folder.folder, None, what, folder.named_by.for_results()));
+            return Err(
+                Error::input(folder.folder, None, what, folder.named_by.for_results()).because(Problem::OtherInputs)
+            );
         }
         if let (ReceiverSource::Placed { placed, table, .. }, Some(planned)) = (self.receivers, planned) {
             planned.place(table)?;

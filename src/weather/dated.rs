@@ -6,7 +6,7 @@
 
 use std::path::Path;
 
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::text::{Message, message};
 use heliotile_core::weather::span::Span;
 use heliotile_core::weather::time::calendar::Date;
@@ -48,7 +48,7 @@ impl DatedRows {
         if Years::new(taken()) == Years::Several {
             let what = format!("months of several years cannot all be put into {year}");
             let hint = "choose the months of one year with {from} and {to}, or leave {year} out";
-            return Err(Error::input(file, None, what, hint));
+            return Err(Error::input(file, None, what, hint).because(Problem::Lacks("year")));
         }
         let lost = taken().filter(|date| at(*date).is_none()).count();
         let has = |month, day| taken().any(|date| (date.month, date.day) == (month, day));

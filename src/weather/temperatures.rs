@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use crate::series::Weather;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::replay::schedule_csv::{Column, ReadFile, Rows, parse_schedule};
 use heliotile_core::site::material::Class;
 use heliotile_core::text::message;
@@ -90,7 +90,7 @@ pub fn emissions(
             });
             let hint = "fill in horizontal infrared radiation (EPW: column 13), or the values that are missing; or \
                         leave such rows out with {from} and {to}; or leave out the column `longwave`";
-            Error::input(file, row.line, what, hint)
+            Error::input(file, row.line, what, hint).because(Problem::Lacks("infrared"))
         })?;
         let of_surface = |given: &Option<Vec<f64>>, name: &str| {
             let given = given.as_ref().and_then(|values| values.get(i)).copied();
@@ -98,7 +98,7 @@ pub fn emissions(
                 let what =
                     format!("dry bulb temperature is missing; `longwave` uses it as the temperature of the {name}");
                 let hint = message!("fill in dry bulb temperature (EPW: column 7), or give a temperature, as in {{temperature}} {name}=12.5");
-                Error::input(file, row.line, what, hint)
+                Error::input(file, row.line, what, hint).because(Problem::Lacks("temperature"))
             })?;
             Ok(black_body_w_m2(celsius))
         };

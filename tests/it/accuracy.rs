@@ -162,18 +162,18 @@ fn finer_quality_has_smaller_errors() {
 fn wrong_accuracy_requests_are_refused() {
     let folder = Folder::new();
     let build = "build scene.obj -m materials.toml -r receivers.csv -o x.helio";
-    folder.refused(&format!("{build} --error 0%"), &["0.1 to 50 percent"]);
-    folder.refused(&format!("{build} --error two"), &["`two`", "as in 2%"]);
-    folder.refused(&format!("{build} --error 2% --quality fine"), &["--quality"]);
-    folder.refused(&format!("{build} --error 2% --set hit=16"), &["--set"]);
-    folder.refused(&format!("{build} --error 2% --error-weather no.epw"), &["no.epw"]);
-    folder.refused("tradeoff scene.obj -m materials.toml -r receivers.csv -o scene.obj", &["scene.obj"]);
-    folder.refused("tradeoff scene.obj -m materials.toml -r no.csv -o report", &["no.csv"]);
-    folder.refused(&format!("{build} --shift 30min"), &["--error-weather <FILE>"]);
-    folder.refused(
+    folder.fails(&format!("{build} --error 0%"), "argument unreadable --error 0%");
+    folder.fails(&format!("{build} --error two"), "argument unreadable --error two");
+    folder.fails(&format!("{build} --error 2% --quality fine"), "argument excludes --error --quality");
+    folder.fails(&format!("{build} --error 2% --set hit=16"), "argument excludes --error --set");
+    folder.fails(&format!("{build} --error 2% --error-weather no.epw"), "missing-file no.epw");
+    folder.fails("tradeoff scene.obj -m materials.toml -r receivers.csv -o scene.obj", "input ending scene.obj");
+    folder.fails("tradeoff scene.obj -m materials.toml -r no.csv -o report", "missing-file no.csv");
+    folder.fails(&format!("{build} --shift 30min"), "argument missing --weather");
+    folder.fails(
         "build --dry-run scene.obj -r receivers.csv --error 2% --time-zone +01:00",
-        &["--error-weather <FILE>"],
+        "argument missing --weather",
     );
-    folder.refused("tradeoff scene.obj -r receivers.csv -o report --weather-stamp end", &["--weather <WEATHER>"]);
+    folder.fails("tradeoff scene.obj -r receivers.csv -o report --weather-stamp end", "argument missing --weather");
     assert!(!folder.path("x.helio").exists() && !folder.path("report").exists());
 }

@@ -93,15 +93,17 @@ fn an_audit_refutes_false_claims_only() {
     let three = "scene.obj -m materials.toml --conditions three.csv --samples 20 --paths 512";
     let said = stdout(&folder.run(&format!("archive audit modest.helio {three}")));
     assert!(said.contains("20 receivers, 60 hours of three.csv in all"), "{said}");
-    folder.refused(&format!("archive audit modest.helio {three} --weather golden.epw"), &["--conditions", "--weather"]);
+    folder.fails(
+        &format!("archive audit modest.helio {three} --weather golden.epw"),
+        "argument excludes --conditions --weather",
+    );
 
     folder.write("other.toml", "[wall]\ndiffuse = 0.5\n[roof]\ndiffuse = 0.2\n[grass]\ndiffuse = 0.25\n");
-    folder
-        .refused("archive audit bold.helio scene.obj -m other.toml", &["scene.obj", "is not the scene of the archive"]);
-    folder.refused("archive audit bold.helio scene.obj -m materials.toml --sky perez1990", &["--sky", "horizon"]);
-    folder.refused(
+    folder.fails("archive audit bold.helio scene.obj -m other.toml", "input other-inputs scene.obj");
+    folder.fails("archive audit bold.helio scene.obj -m materials.toml --sky perez1990", "argument other --sky");
+    folder.fails(
         "archive audit bold.helio scene.obj -m materials.toml --seconds soon",
-        &["--seconds", "number of seconds"],
+        "argument unreadable --seconds soon",
     );
-    folder.refused("archive audit none.helio scene.obj -m materials.toml", &["none.helio"]);
+    folder.fails("archive audit none.helio scene.obj -m materials.toml", "missing-file none.helio");
 }

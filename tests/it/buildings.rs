@@ -152,21 +152,20 @@ fn wrong_thresholds_and_archives_are_refused() {
         assert_eq!(folder.build().status.code(), Some(0));
     };
     build("front,5,-0.02,2,0,-1,0,3,front,hall,house,wall\nlawn,15,5,0.02,0,0,1,7,lawn,garden,,ground\n");
-    folder
-        .refused(&buildings(""), &["site.helio: has no receivers on roofs", "1 receiver on `wall`", "--on roof,wall"]);
+    folder.fails(&buildings(""), "input lacks site.helio roofs");
     build("top,5,5,10.02,0,0,1,,top,hall,house,roof\n");
-    folder.refused(&buildings(""), &["1 receiver of roofs and facades without an area: top", "column `area`"]);
+    folder.fails(&buildings(""), "input lacks site.helio area");
     build("top,5,5,10.02,0,0,1,3,top,,,roof\n");
-    folder.refused(&buildings(""), &["without a building or an object: top", "`building` or `object`"]);
-    for (rest, parts) in [
-        ("--threshold -1", &["--threshold", "a number of 0 or more"][..]),
-        ("--threshold NaN", &["--threshold", "a number of 0 or more"]),
-        ("--threshold many", &["--threshold", "a number of 0 or more"]),
-        ("--min-area -3", &["--min-area", "a number of 0 or more"]),
-        ("-o b.xlsx", &["b.xlsx", ".parquet, .arrow"]),
-        ("-o b.csv --faces b.csv", &["b.csv: is named for two outputs"]),
+    folder.fails(&buildings(""), "input lacks site.helio building");
+    for (rest, expected) in [
+        ("--threshold -1", "argument unreadable --threshold -1"),
+        ("--threshold NaN", "argument unreadable --threshold NaN"),
+        ("--threshold many", "argument unreadable --threshold many"),
+        ("--min-area -3", "argument unreadable --min-area -3"),
+        ("-o b.xlsx", "unsupported `b.xlsx`"),
+        ("-o b.csv --faces b.csv", "input same-file b.csv b.csv"),
     ] {
-        folder.refused(&buildings(rest), parts);
+        folder.fails(&buildings(rest), expected);
         assert!(!folder.path("b.csv").exists());
     }
 }
@@ -212,7 +211,11 @@ fn places_are_those_of_the_brightest_receivers() {
     assert_eq!(done.status.code(), Some(0), "{}", stderr(&done));
     let of_pv = table(&fs::read_to_string(folder.path("out/points.csv")).expect("points"));
     assert_eq!(of_pv.len(), 5);
-    for (wrong, part) in [("--module 1", "--module"), ("--best 0", "--best"), ("--on ground", "roofs")] {
-        folder.refused(&format!("{asked} {wrong}"), &[part]);
+    for (wrong, expected) in [
+        ("--module 1", "argument unreadable --module 1"),
+        ("--best 0", "argument out-of-range --best 0.0"),
+        ("--on ground", "argument unknown --on ground"),
+    ] {
+        folder.fails(&format!("{asked} {wrong}"), expected);
     }
 }

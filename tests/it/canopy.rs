@@ -28,6 +28,7 @@ use heliotile_core::weather::conditions::Condition;
 use heliotile_core::weather::time::bins::Bins;
 use heliotile_scene::Scene;
 
+use crate::cli::failure;
 use crate::scenes::*;
 
 fn screen(name: &str, transmittance: f64) -> Material {
@@ -471,29 +472,32 @@ fn wrong_canopy_names_and_values_are_refused() {
     std::fs::write(path("leaf.csv"), months(&"0.7\n".repeat(6)) + &"0.1\n".repeat(6)).expect("written");
     std::fs::write(path("two.csv"), months(&"2\n".repeat(12))).expect("written");
     std::fs::write(path("other.csv"), format!("reflectance\n{}", "0.2\n".repeat(12))).expect("written");
-    let run = |under: &str, options: &[&str]| {
+    let command = |under: &str, options: &[&str]| {
         let mut program = std::process::Command::new(env!("CARGO_BIN_EXE_heliotile"));
         program.current_dir(folder.path()).args(["replay", "site.helio"]);
         match under {
             "conditions" => program.args(["--conditions", "c.csv"]),
             _ => program.arg("--weather").arg(data("../weather/golden_3_days.epw")).args(["--every", "year"]),
         };
-        let ended = program.args(options).output().expect("runs");
+        program.args(options);
+        program
+    };
+    let run = |under: &str, options: &[&str]| {
+        let ended = command(under, options).output().expect("runs");
         let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
         (ended.status.code(), text(&ended.stdout), text(&ended.stderr))
     };
-    for (command, option, value, expected) in [
-        ("conditions", "--transmittance", "bush=0.5", "no group and no material `bush`"),
-        ("conditions", "--transmittance", "wall=0.5", "`wall` is not a canopy"),
-        ("conditions", "--transmittance", "trees=1.2", "from 0 to 1, not 1.2"),
-        ("conditions", "--transmittance", "trees=leaf.csv", "12 values for a table of conditions of 1 rows"),
-        ("conditions", "--reflectance", "leaf=0.5", "`leaf` is a canopy"),
-        ("weather", "--transmittance", "trees=two.csv", "column `transmittance` holds `2`"),
-        ("weather", "--transmittance", "trees=other.csv", "column `transmittance` is missing"),
-        ("weather", "--transmittance", "trees=nowhere.csv", "nowhere.csv"),
+    for (under, option, value, expected) in [
+        ("conditions", "--transmittance", "bush=0.5", "input unknown site.helio bush"),
+        ("conditions", "--transmittance", "wall=0.5", "input lacks site.helio transmittance"),
+        ("conditions", "--transmittance", "trees=1.2", "argument unreadable --transmittance trees=1.2"),
+        ("conditions", "--transmittance", "trees=leaf.csv", "input out-of-range leaf.csv 12.0"),
+        ("conditions", "--reflectance", "leaf=0.5", "input other-kind site.helio canopy"),
+        ("weather", "--transmittance", "trees=two.csv", "input value two.csv:2 transmittance 2"),
+        ("weather", "--transmittance", "trees=other.csv", "input no-column other.csv:1 transmittance"),
+        ("weather", "--transmittance", "trees=nowhere.csv", "missing-file nowhere.csv"),
     ] {
-        let (code, _, message) = run(command, &[option, value]);
-        assert!(code == Some(2) && message.contains(expected), "{command} {option} {value}: {code:?} {message}");
+        assert_eq!(failure(&mut command(under, &[option, value])), expected);
     }
     let total = |command: &str, options: &[&str]| -> f64 {
         let (code, table, message) = run(command, options);

@@ -223,27 +223,24 @@ fn models_of_other_archives_are_refused() {
     folder.write("geo.json", "{\"type\": \"FeatureCollection\", \"features\": []}");
     folder.write("cut.city.json", &text[..text.len() / 2]);
     folder.write("own.city.json", &text);
-    for (rest, parts) in [
-        (
-            "--model none.city.json -o o.city.json",
-            &["holds none of the", "city objects of site.helio", "receivers"][..],
-        ),
-        ("--model geo.json -o o.city.json", &["FeatureCollection", "not CityJSON"]),
-        ("--model cut.city.json -o o.city.json", &["cut.city.json", "EOF"]),
-        ("--model own.city.json -o own.city.json", &["is also an input"]),
-        ("--model own.city.json -o o.csv", &["o.csv", ".city.json"]),
-        ("--model own.city.json", &["--output", ".city.json"]),
-        ("--model own.city.json -o o.city.jsonl", &["give a name that ends with .city.json"]),
-        ("-o o.city.json", &["--model"]),
-        ("--model own.city.json --by object -o o.city.json", &["--by"]),
+    for (rest, expected) in [
+        ("--model none.city.json -o o.city.json", "input other-site none.city.json"),
+        ("--model geo.json -o o.city.json", "input other-kind geo.json not CityJSON"),
+        ("--model cut.city.json -o o.city.json", "input other-kind cut.city.json not CityJSON"),
+        ("--model own.city.json -o own.city.json", "input same-file own.city.json own.city.json"),
+        ("--model own.city.json -o o.csv", "argument ending --output"),
+        ("--model own.city.json", "argument ending --output"),
+        ("--model own.city.json -o o.city.jsonl", "argument ending --output"),
+        ("-o o.city.json", "argument needs --output --model"),
+        ("--model own.city.json --by object -o o.city.json", "argument excludes --by --model"),
     ] {
-        folder.refused(&format!("{replay} {rest}"), parts);
+        folder.fails(&format!("{replay} {rest}"), expected);
         assert!(!folder.path("o.city.json").exists(), "{rest}");
     }
     let hourly = replay.replace("total", "hour");
-    folder.refused(&format!("{hourly} --model {hague} -o o.city.json"), &["--every month, year or total"]);
+    folder.fails(&format!("{hourly} --model {hague} -o o.city.json"), "argument excludes --every --model");
     let noon = "replay site.helio --sun 200,40 --dni 700";
-    folder.refused(&format!("{noon} --model {hague} -o o.city.json"), &["--model", "sums over weather"]);
+    folder.fails(&format!("{noon} --model {hague} -o o.city.json"), "argument needs --model --weather");
     assert!(!folder.path("o.city.json").exists());
     let written = folder.run(&format!("{replay} --model some.city.json -o o.city.json"));
     assert_eq!(written.status.code(), Some(0), "{}", stderr(&written));

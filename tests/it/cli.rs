@@ -48,14 +48,18 @@ impl Folder {
     pub fn run(&self, arguments: &str) -> Output {
         let output = self.command(arguments).output().expect("the program");
         let said = stderr(&output);
-        let names = said.split('{').skip(1).filter_map(|behind| Some(behind.split_once('}')?.0));
-        let bare = names.filter(|name| name.starts_with("command:") || heliotile_program::option_of(name).is_some());
-        assert_eq!(bare.collect::<Vec<_>>(), [] as [&str; 0], "{arguments}: {said}");
+        assert_eq!(bare(&said), [] as [&str; 0], "{arguments}: {said}");
         output
     }
 
     pub fn build(&self) -> Output {
         self.run("build scene.obj --materials materials.toml --receivers receivers.csv -o site.helio")
+    }
+
+    /// Checks that a command fails with an error; see [`failure`].
+    #[track_caller]
+    pub fn fails(&self, arguments: &str, expected: &str) {
+        assert_eq!(failure(&mut self.command(arguments)), expected, "{arguments}");
     }
 
     /// Runs a command that must fail with exit code 2 and a message that holds every one of
@@ -69,6 +73,38 @@ impl Folder {
         }
         assert!(!message.contains("panicked") && message.matches("to fix: ").count() <= 1, "{message}");
     }
+}
+
+/// Runs a command that must fail with exit code 2. Returns its error as `HELIOTILE_ERRORS=json`
+/// states it: kind, problem, options or file and line, and what was found, as in
+/// `input value r.csv:2 ny nan`. An absolute path loses its folders.
+pub fn failure(command: &mut Command) -> String {
+    let output = command.env("HELIOTILE_ERRORS", "json").output().expect("the program");
+    let said = stderr(&output);
+    assert_eq!(output.status.code(), Some(2), "{command:?}: {said}");
+    let facts: serde_json::Value = serde_json::from_str(said.lines().last().unwrap_or_default()).expect(&said);
+    assert!(bare(&said).is_empty() && facts["message"].as_str().is_some_and(|text| !text.is_empty()), "{said}");
+    let words = |name: &str| match &facts[name] {
+        serde_json::Value::Null => None,
+        serde_json::Value::String(word) if word.starts_with('/') => word.rsplit('/').next().map(str::to_owned),
+        serde_json::Value::String(word) => Some(word.clone()),
+        serde_json::Value::Array(words) => {
+            Some(words.iter().filter_map(|word| word.as_str()).collect::<Vec<_>>().join(","))
+                .filter(|all| !all.is_empty())
+        }
+        other => Some(other.to_string()),
+    };
+    let line = words("line").map_or(String::new(), |line| format!(":{line}"));
+    let [kind, problem, fields, file, block, name, found, others] =
+        ["kind", "problem", "fields", "file", "block", "name", "found", "others"].map(words);
+    let place = file.map(|file| file + &line);
+    [kind, problem, fields, place, block, name, found, others].into_iter().flatten().collect::<Vec<_>>().join(" ")
+}
+
+/// Returns the names in braces for which a face has a word.
+fn bare(said: &str) -> Vec<&str> {
+    let names = said.split('{').skip(1).filter_map(|behind| Some(behind.split_once('}')?.0));
+    names.filter(|name| name.starts_with("command:") || heliotile_program::option_of(name).is_some()).collect()
 }
 
 pub fn stdout(output: &Output) -> String {
@@ -98,12 +134,12 @@ fn errors_are_json_on_request() {
         ("replay site.helio --steps 99", "argument", "out-of-range", "--steps"),
         ("build scene.obj", "argument", "missing", "--receivers"),
         ("build scene.obj -r receivers.csv -o a.helio --set nothing=1", "argument", "unknown", "set"),
-        ("build scene.obj -r nan.csv -o a.helio", "input", "other", "nan.csv"),
+        ("build scene.obj -r nan.csv -o a.helio", "input", "value", "nan.csv"),
         ("build scene.obj -r receivers.csv -o receivers.csv", "input", "same-file", "receivers.csv"),
         ("replay site.helio --conditions bad.csv", "input", "no-column", "bad.csv"),
         ("replay nowhere.helio --conditions conditions.csv", "missing-file", "", "nowhere.helio"),
         ("replay site.helio --conditions conditions.csv -o a.xyz", "unsupported", "", ""),
-        ("replay scene.obj --conditions conditions.csv", "input", "other", "scene.obj"),
+        ("replay scene.obj --conditions conditions.csv", "input", "other-kind", "scene.obj"),
     ] {
         let words = folder.run(arguments);
         let output = folder.command(arguments).env("HELIOTILE_ERRORS", "json").output().expect("the program");
@@ -187,7 +223,7 @@ fn both_ways_of_reading_agree() {
         assert_eq!((map.status.code(), pread.status.code()), (Some(0), Some(0)), "{command}");
         assert!(!map.stdout.is_empty() && map.stdout == pread.stdout, "{command}");
     }
-    folder.refused("info site.helio --io mmap", &["mmap", "map", "pread"]);
+    folder.fails("info site.helio --io mmap", "argument unknown --io mmap");
 }
 
 /// `info --weather` states 8760 hours and 1619.948 kWh/m2 of GHI for Golden, the sum of its column,
@@ -203,9 +239,10 @@ fn info_of_weather_states_sums_of_months() {
     assert_eq!(cells("  all ", 1), ["8760", "1619.948", "1866.531", "577.938"], "{said}");
     assert_eq!(cells("  1996-12 ", 1), ["744", "52.730", "72.060", "29.018"], "{said}");
     folder.write("a.obj", "v 0 0 0\n");
-    folder.refused("info --weather a.obj", &["a.obj: is a scene (OBJ), not weather"]);
-    folder.refused(&format!("info {golden}"), &["is weather (EPW)", "heliotile info --weather"]);
-    folder.refused("info a.obj --time-zone 1", &["--weather"]);
+    folder.fails("info --weather a.obj", "input other-kind a.obj a scene (OBJ)");
+    folder.fails(&format!("info {golden}"), "input other-kind golden_tmy3.epw weather (EPW)");
+    folder
+        .fails("info a.obj --time-zone 1", "argument needs --time-zone,--shift,--weather-stamp,--date-order --weather");
 }
 
 /// `info` names all 7 layers, the counts and the 12 settings as `--set` takes them. `verify` finds
@@ -225,7 +262,7 @@ fn info_lists_layers_and_verify_finds_damage() {
         assert!(info.contains(part), "{part}: {info}");
     }
     for options in ["--materials materials.toml", "--materials-only", "--no-ground"] {
-        folder.refused(&format!("info site.helio {options}"), &["whose surfaces were stated", "leave --materials"]);
+        folder.fails(&format!("info site.helio {options}"), "input other-kind site.helio archive");
     }
     assert_eq!(folder.run("archive verify site.helio").status.code(), Some(0));
     let mut bytes = fs::read(folder.path("site.helio")).expect("the archive");
@@ -239,21 +276,20 @@ fn info_lists_layers_and_verify_finds_damage() {
     let verified = folder.run("archive verify bad.helio");
     assert_eq!(verified.status.code(), Some(1));
     assert!(stdout(&verified).contains("receivers/0"), "{}", stdout(&verified));
-    folder.refused("replay bad.helio --conditions conditions.csv", &["bad.helio", "receivers/0", "verify"]);
+    folder.fails("replay bad.helio --conditions conditions.csv", "corrupt bad.helio receivers/0");
 }
 
-/// 7 wrong options of a build are refused with the allowed values.
+/// 7 wrong options of a build are refused with the value that was found.
 #[test]
 fn wrong_build_options_name_the_allowed_values() {
     let folder = Folder::new();
     let build = "build scene.obj -m materials.toml -r receivers.csv -o site.helio";
     for seconds in ["0.5", "-1", "soon"] {
-        folder.refused(&format!("{build} --checkpoint={seconds}"), &["--checkpoint", seconds, "whole seconds from 0"]);
+        folder
+            .fails(&format!("{build} --checkpoint={seconds}"), &format!("argument unreadable --checkpoint {seconds}"));
     }
-    for (memory, found) in
-        [("512", "no unit"), ("1KiB", "`KiB` is not a unit"), ("1.2.3MiB", "not a number"), ("-1GB", "`-1`")]
-    {
-        folder.refused(&format!("{build} --memory={memory}"), &["--memory", found, "MiB, GiB, MB or GB, as in 512MiB"]);
+    for memory in ["512", "1KiB", "1.2.3MiB", "-1GB"] {
+        folder.fails(&format!("{build} --memory={memory}"), &format!("argument unreadable --memory {memory}"));
     }
     assert!(!folder.path("site.helio").exists());
 }
@@ -264,37 +300,41 @@ fn wrong_build_options_name_the_allowed_values() {
 fn wrong_inputs_name_file_place_and_finding() {
     let folder = Folder::new();
     let build = "build scene.obj --materials materials.toml --materials-only --receivers receivers.csv -o site.helio";
-    folder.refused(&build.replace("scene.obj", "none.obj"), &["none.obj", "No such file"]);
-    let with = |name: &str, text: &str, parts: &[&str]| {
+    folder.fails(&build.replace("scene.obj", "none.obj"), "missing-file none.obj");
+    let with = |name: &str, text: &str, expected: &str| {
         let folder = Folder::new();
         folder.write(name, text);
-        folder.refused(build, parts);
+        folder.fails(build, expected);
         assert!(!folder.path("site.helio").exists() && !folder.path("site.helio.partial").exists());
     };
-    with("materials.toml", "[wall]\ndiffuse = 0.4\n[roof]\ndiffuse = 0.2\n", &["materials.toml", "grass"]);
-    with("materials.toml", "[wall]\ndifuse = 0.4\n", &["materials.toml", "line 2", "difuse"]);
-    with("materials.toml", &MATERIALS.replace("0.4", "1.4"), &["materials.toml", "line 2", "1.4"]);
-    with("receivers.csv", &RECEIVERS.replace("0,-1,0", "0,0,0"), &["receivers.csv", "line 3", "length zero"]);
-    with("receivers.csv", &RECEIVERS.replace("0,-1,0", "0,nan,0"), &["receivers.csv", "line 3", "ny", "nan"]);
-    with("receivers.csv", &RECEIVERS.replace("10.02", "high"), &["receivers.csv", "line 2", "z", "high"]);
-    with("receivers.csv", &RECEIVERS.replace("lawn", "roof"), &["receivers.csv", "line 4", "roof"]);
-    with("scene.obj", &SCENE.replace("v 10 10 0\n", "v 10 x 0\n"), &["scene.obj", "line 3", "x"]);
-    with("scene.obj", &SCENE.replace("f 1 2 6 5", "f 1 2 6 500"), &["scene.obj", "line 10", "500"]);
-    with("scene.obj", &SCENE.replace("v 10 10 0\n", "v 10 nan 0\n"), &["scene.obj", "line 3", "nan"]);
-    with("scene.obj", &SCENE.replace("v 10 10 0\n", "v 10 1e30 0\n"), &["scene.obj", "line 3", "1e30"]);
-    with("scene.obj", "", &["scene.obj", "no faces"]);
-    with("scene.obj", "v 0 0 0\n", &["scene.obj", "no faces"]);
+    with("materials.toml", "[wall]\ndiffuse = 0.4\n[roof]\ndiffuse = 0.2\n", "input unknown materials.toml grass");
+    with("materials.toml", "[wall]\ndifuse = 0.4\n", "input unknown materials.toml:2 difuse");
+    with(
+        "materials.toml",
+        &MATERIALS.replace("0.4", "1.4"),
+        "input value materials.toml:2 `diffuse` of material `wall` 1.4",
+    );
+    with("receivers.csv", &RECEIVERS.replace("0,-1,0", "0,0,0"), "input value receivers.csv:3 nx,ny,nz 0,0,0");
+    with("receivers.csv", &RECEIVERS.replace("0,-1,0", "0,nan,0"), "input value receivers.csv:3 ny nan");
+    with("receivers.csv", &RECEIVERS.replace("10.02", "high"), "input value receivers.csv:2 z high");
+    with("receivers.csv", &RECEIVERS.replace("lawn", "roof"), "input duplicate receivers.csv:4 roof");
+    with("scene.obj", &SCENE.replace("v 10 10 0\n", "v 10 x 0\n"), "input value scene.obj:3 y x");
+    with("scene.obj", &SCENE.replace("f 1 2 6 5", "f 1 2 6 500"), "input value scene.obj:10 f 500");
+    with("scene.obj", &SCENE.replace("v 10 10 0\n", "v 10 nan 0\n"), "input value scene.obj:3 y nan");
+    with("scene.obj", &SCENE.replace("v 10 10 0\n", "v 10 1e30 0\n"), "input value scene.obj:3 y 1e30");
+    with("scene.obj", "", "input empty scene.obj");
+    with("scene.obj", "v 0 0 0\n", "input empty scene.obj");
 
     folder.build();
     let query = "replay site.helio --conditions conditions.csv";
     folder.write("conditions.csv", &CONDITIONS.replace("800", "-800"));
-    folder.refused(query, &["conditions.csv", "line 2", "dni_w_m2", "-800"]);
+    folder.fails(query, "input value conditions.csv:2 dni_w_m2 -800");
     // The output is checked before anything is read.
-    folder.refused(&format!("{query} -o out.xlsx"), &["out.xlsx", ".csv", ".parquet"]);
+    folder.fails(&format!("{query} -o out.xlsx"), "unsupported `out.xlsx`");
     folder.write("conditions.csv", CONDITIONS);
-    folder.refused(&format!("{query} -o out.xlsx"), &[".csv", ".parquet"]);
-    folder.refused(&format!("{query} --sky cie:17"), &["cie"]);
-    folder.refused("replay scene.obj --conditions conditions.csv", &["scene.obj"]);
+    folder.fails(&format!("{query} -o out.xlsx"), "unsupported `out.xlsx`");
+    folder.fails(&format!("{query} --sky cie:17"), "argument unknown --sky cie:17");
+    folder.fails("replay scene.obj --conditions conditions.csv", "input other-kind scene.obj a scene (OBJ)");
 }
 
 /// 5 outputs that would destroy something (an input, another kind of file, a device, a folder) are
@@ -304,11 +344,14 @@ fn outputs_never_replace_inputs() {
     let folder = Folder::new();
     folder.build();
     let build = "build scene.obj --materials materials.toml --receivers receivers.csv -o ";
-    folder.refused(&format!("{build}scene.obj"), &["scene.obj", "input"]);
-    folder.refused(&format!("{build}conditions.csv"), &["conditions.csv", "not an archive"]);
-    folder.refused(&format!("{build}/dev/null"), &["/dev/null", "device"]);
-    folder.refused("replay site.helio --conditions conditions.csv -o conditions.csv", &["conditions.csv", "input"]);
-    folder.refused(&format!("{build}."), &["folder"]);
+    folder.fails(&format!("{build}scene.obj"), "input same-file scene.obj scene.obj");
+    folder.fails(&format!("{build}conditions.csv"), "input exists conditions.csv");
+    folder.fails(&format!("{build}/dev/null"), "input other-kind null folder or device");
+    folder.fails(
+        "replay site.helio --conditions conditions.csv -o conditions.csv",
+        "input same-file conditions.csv conditions.csv",
+    );
+    folder.fails(&format!("{build}."), "input other-kind . folder or device");
     assert_eq!(fs::read_to_string(folder.path("scene.obj")).ok().as_deref(), Some(SCENE));
     assert_eq!(fs::read_to_string(folder.path("conditions.csv")).ok().as_deref(), Some(CONDITIONS));
 }
@@ -364,16 +407,20 @@ fn merged_parts_have_the_bytes_of_the_original() {
     assert_eq!(other.status.code(), Some(1));
     assert!(stdout(&other).contains("only in A  1 receiver: south\n"), "{}", stdout(&other));
 
-    folder.refused("archive extract site.helio -o x.helio", &["--receivers", "--bbox", "--surface"]);
-    folder.refused("archive extract site.helio --bbox 0,0,1,1 --surface top -o x.helio", &["--bbox", "--surface"]);
-    folder.refused("archive extract site.helio --bbox 0,0,1 -o x.helio", &["3 numbers", "xmin,ymin,xmax,ymax"]);
-    folder.refused("archive extract site.helio --bbox 5,0,1,1 -o x.helio", &["above its upper bound"]);
-    folder
-        .refused("archive extract site.helio --bbox 90,90,91,91 -o x.helio", &["site.helio", "none of the receivers"]);
-    folder.refused("archive extract site.helio --surface top attic -o x.helio", &["site.helio", "1 surface: attic"]);
-    folder
-        .refused("archive extract site.helio --receivers conditions.csv -o x.helio", &["conditions.csv", "`receiver`"]);
-    folder.refused("archive extract site.helio --receivers few.csv -o few.csv", &["few.csv", "input"]);
-    folder.refused("archive diff site.helio none.helio", &["none.helio", "No such file"]);
+    folder.fails("archive extract site.helio -o x.helio", "argument missing --receivers");
+    folder.fails(
+        "archive extract site.helio --bbox 0,0,1,1 --surface top -o x.helio",
+        "argument excludes --bbox --surface",
+    );
+    folder.fails("archive extract site.helio --bbox 0,0,1 -o x.helio", "argument unreadable --bbox 0,0,1");
+    folder.fails("archive extract site.helio --bbox 5,0,1,1 -o x.helio", "argument unreadable --bbox 5,0,1,1");
+    folder.fails("archive extract site.helio --bbox 90,90,91,91 -o x.helio", "input empty site.helio");
+    folder.fails("archive extract site.helio --surface top attic -o x.helio", "input unknown site.helio attic");
+    folder.fails(
+        "archive extract site.helio --receivers conditions.csv -o x.helio",
+        "input no-column conditions.csv:1 receiver",
+    );
+    folder.fails("archive extract site.helio --receivers few.csv -o few.csv", "input same-file few.csv few.csv");
+    folder.fails("archive diff site.helio none.helio", "missing-file none.helio");
     assert!(!folder.path("x.helio").exists() && !folder.path("x.helio.partial").exists());
 }

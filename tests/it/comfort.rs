@@ -267,13 +267,13 @@ fn wrong_weather_is_refused_before_the_trace() {
     let place = "--latitude 39.7 --longitude -105.2 -m m.toml --quality draft --time-zone -7 -o table.csv";
     let golden = golden().display().to_string();
     for people in ["--points p.csv", "--spacing 500m"] {
-        for (weather, said) in [
-            ("none.epw".to_owned(), "none.epw"),
-            ("dry.csv".to_owned(), "humidity is missing in the hour 2019-07-01T"),
-            ("plain.obj".to_owned(), "plain.obj"),
-            (format!("{golden} --from 07-01 --to 07-02"), "golden_3_days.epw"),
+        for (weather, expected) in [
+            ("none.epw".to_owned(), "missing-file none.epw"),
+            ("dry.csv".to_owned(), "input lacks dry.csv humidity"),
+            ("plain.obj".to_owned(), "input other-kind plain.obj a scene (OBJ)"),
+            (format!("{golden} --from 07-01 --to 07-02"), "input lacks golden_3_days.epw hours"),
         ] {
-            folder.refused(&format!("comfort plain.obj {place} {people} -w {weather}"), &[said]);
+            folder.fails(&format!("comfort plain.obj {place} {people} -w {weather}"), expected);
             for left in ["plain.people", "table.csv"] {
                 assert!(!folder.path(left).exists(), "{left} after {weather}");
             }
@@ -283,7 +283,7 @@ fn wrong_weather_is_refused_before_the_trace() {
     assert!(output.status.success() && folder.path("plain.people/site.helio").exists(), "{}", stderr(&output));
 }
 
-/// Ten wrong requests are refused with a hint: no humidity, no wind, an archive without people,
+/// Ten wrong requests are refused: no humidity, no wind, an archive without people,
 /// points inside of things, numbers out of range.
 #[test]
 fn wrong_questions_are_refused() {
@@ -298,22 +298,31 @@ fn wrong_questions_are_refused() {
     folder.write("r.csv", "receiver,x,y,z,nx,ny,nz\nroof,0,0,1,0,0,1\n");
     folder.run(&format!("build plain.obj {place} -r r.csv -o roof.helio"));
     folder.write("low.csv", "point,x,y,z\nhere,0,0,-1\n");
-    for (arguments, said) in [
+    for (arguments, expected) in [
         (
             format!("comfort plain.obj {place} --points p.csv -w dry.csv --time-zone -7"),
-            "infrared radiation is missing",
+            "input lacks dry.csv:2 infrared",
         ),
-        (format!("comfort plain.obj {place} --points p.csv -w still.csv --time-zone -7"), "wind speed is missing"),
-        (format!("comfort roof.helio -w {weather}"), "no receiver `roof/down`"),
-        (format!("comfort roof.helio -w {weather} --points p.csv"), "an archive states where people stand"),
-        (format!("comfort plain.obj {place} --points low.csv -w {weather}"), "lies below the ground"),
-        (format!("comfort plain.obj {place} --points p.csv -w {weather} --film 0"), "give 10 to 200 W/m2K"),
-        (format!("comfort plain.obj {place} --on roof -w {weather}"), "roof"),
-        (format!("comfort plain.obj {place} --points p.csv -w {weather} --emissivity wall=0.9"), "is not a class"),
-        (format!("comfort plain.obj {place} --points p.csv -w {weather} --wind 9"), "the wind factor 9"),
-        (format!("comfort plain.obj {place} --points p.csv -w {weather} --plot year.svg"), ".png"),
+        (
+            format!("comfort plain.obj {place} --points p.csv -w still.csv --time-zone -7"),
+            "input lacks still.csv wind speed",
+        ),
+        (format!("comfort roof.helio -w {weather}"), "input lacks roof.helio receivers"),
+        (
+            format!("comfort roof.helio -w {weather} --points p.csv"),
+            "argument other-kind --points,--folder,--replace archive",
+        ),
+        (format!("comfort plain.obj {place} --points low.csv -w {weather}"), "input misplaced low.csv:2"),
+        (format!("comfort plain.obj {place} --points p.csv -w {weather} --film 0"), "argument out-of-range --film 0.0"),
+        (format!("comfort plain.obj {place} --on roof -w {weather}"), "argument empty --on"),
+        (
+            format!("comfort plain.obj {place} --points p.csv -w {weather} --emissivity wall=0.9"),
+            "argument unreadable --emissivity wall=0.9",
+        ),
+        (format!("comfort plain.obj {place} --points p.csv -w {weather} --wind 9"), "argument unreadable --wind 9"),
+        (format!("comfort plain.obj {place} --points p.csv -w {weather} --plot year.svg"), "argument ending --plot"),
     ] {
-        folder.refused(&arguments, &[said]);
+        folder.fails(&arguments, expected);
     }
     // The mean radiant temperature needs neither wind nor humidity, only the air's temperature and
     // the sky's radiation.

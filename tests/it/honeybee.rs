@@ -99,15 +99,15 @@ fn wrong_honeybee_requests_leave_no_file() {
     assert_eq!(written.status.code(), Some(0), "{}", stderr(&written));
     let arrays = fs::read_dir(folder.path("kinds/__static_apertures__/default/total")).expect("arrays").count();
     assert!(arrays >= 2 && !folder.path("kinds/__static_apertures__/default/direct").exists(), "{arrays}");
-    for (rest, parts) in [
-        ("--honeybee kinds", &["kinds: exists and is not empty", "give another folder"][..]),
-        ("--honeybee new --every month", &["--every", "hours"]),
-        ("--honeybee new --columns sky_direct", &["--columns", "total, sun_direct"]),
-        ("--honeybee new -o x.csv", &["--honeybee", "--output"]),
+    for (rest, expected) in [
+        ("--honeybee kinds", "input exists kinds"),
+        ("--honeybee new --every month", "argument excludes --every --honeybee"),
+        ("--honeybee new --columns sky_direct", "argument excludes --columns --honeybee"),
+        ("--honeybee new -o x.csv", "argument excludes --honeybee --output"),
     ] {
-        folder.refused(&format!("{replay} {rest}"), parts);
+        folder.fails(&format!("{replay} {rest}"), expected);
         assert!(!folder.path("new").exists() && !folder.path("new.partial").exists(), "{rest}");
     }
-    folder.refused("replay site.helio --sun 200,40 --dni 700 --honeybee new", &["--honeybee", "give --weather"]);
+    folder.fails("replay site.helio --sun 200,40 --dni 700 --honeybee new", "argument needs --honeybee --weather");
     assert!(!folder.path("new").exists() && !folder.path("new.partial").exists());
 }

@@ -70,13 +70,20 @@ fn one_file_is_not_two() {
     let kept =
         || ["z.helio.partial", "d/tradeoff.csv", "d/audit.csv"].map(|name| fs::read(folder.path(name)).expect("kept"));
     let before = kept();
-    let two = "is named for two outputs";
-    let input = "is also an input";
-    folder.refused("receivers a.obj -o zz.csv --buried ./zz.csv", &["zz.csv", two]);
-    folder.refused(&format!("buildings {archive} --weather {weather} -o z.csv --faces d/../z.csv"), &["z.csv", two]);
-    folder.refused("tradeoff a.obj -r d/tradeoff.csv -o d", &["d/tradeoff.csv", input]);
-    folder.refused(&format!("archive audit {archive} a.obj --conditions d/audit.csv -o d"), &["d/audit.csv", input]);
-    folder.refused("archive extract z.helio.partial --bbox 0,0,9,9 -o z.helio", &["z.helio.partial", input]);
+    folder.fails("receivers a.obj -o zz.csv --buried ./zz.csv", "input same-file ./zz.csv zz.csv");
+    folder.fails(
+        &format!("buildings {archive} --weather {weather} -o z.csv --faces d/../z.csv"),
+        "input same-file d/../z.csv z.csv",
+    );
+    folder.fails("tradeoff a.obj -r d/tradeoff.csv -o d", "input same-file d/tradeoff.csv d/tradeoff.csv");
+    folder.fails(
+        &format!("archive audit {archive} a.obj --conditions d/audit.csv -o d"),
+        "input same-file d/audit.csv d/audit.csv",
+    );
+    folder.fails(
+        "archive extract z.helio.partial --bbox 0,0,9,9 -o z.helio",
+        "input same-file z.helio.partial z.helio.partial",
+    );
     assert_eq!(kept(), before);
 }
 

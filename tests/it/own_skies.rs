@@ -257,10 +257,7 @@ fn equal_radiances_give_pi_times_the_radiance() {
         assert!((sky / expected - 1.0).abs() < 1e-4, "{name}: {sky}");
     }
     folder.write("others.csv", &format!("condition{names}\nx{}\ny{}\n", ",1".repeat(577), ",1".repeat(577)));
-    folder.refused(
-        "replay open.helio --conditions one.csv --sky others.csv",
-        &["others.csv", "none of 2 rows is named `noon`", "to fix: name rows as the results name them"],
-    );
+    folder.fails("replay open.helio --conditions one.csv --sky others.csv", "input unknown others.csv noon");
 }
 
 /// Bad files and choices are refused with exit code 2, the file, the finding and a hint: a matrix

@@ -19,6 +19,7 @@ use heliotile_core::weather::conditions::Condition;
 use heliotile_core::weather::time::bins::Bins;
 use heliotile_scene::Scene;
 
+use crate::cli::failure;
 use crate::scenes::*;
 
 fn coarse() -> BuildSettings {
@@ -190,12 +191,13 @@ fn factors_have_a_row_for_each_surface_and_direction() {
     let surfaces = some.replacen(",wall\n", ",east\n", 1);
     fs::write(path("r.csv"), surfaces).expect("written");
     assert!(hague(&path("s.helio"), &path("r.csv")).status().expect("a build").success());
+    let command = |args: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_heliotile"));
+        command.current_dir(folder.path()).args(args);
+        command
+    };
     let run = |args: &[&str]| {
-        let out = Command::new(env!("CARGO_BIN_EXE_heliotile"))
-            .current_dir(folder.path())
-            .args(args)
-            .output()
-            .expect("a run");
+        let out = command(args).output().expect("a run");
         (
             out.status.code(),
             String::from_utf8_lossy(&out.stdout).into_owned(),
@@ -235,8 +237,10 @@ fn factors_have_a_row_for_each_surface_and_direction() {
     let reflected = |row: usize| both[row].split(',').nth(4);
     assert!((0..3).any(|receiver| reflected(2 * receiver) != reflected(2 * receiver + 1)), "{both:?}");
     fs::write(path("albedo.csv"), "reflectance\n0.1\n").expect("written");
-    let (code, _, said) = run(&["replay", "s.helio", "-c", "c.csv", "--schedule", "terrain=albedo.csv"]);
-    assert!(code == Some(2) && said.contains("1 values for a table of conditions of 2 rows"), "{said}");
-    let (code, _, said) = run(&["replay", "s.helio", "-c", "c.csv", "--paths", "none", "--bounces", "3"]);
-    assert!(code == Some(2) && said.contains("`bounces` among the paths"), "{said}");
+    for (more, expected) in [
+        (&["--schedule", "terrain=albedo.csv"][..], "input out-of-range albedo.csv 1.0"),
+        (&["--paths", "none", "--bounces", "3"], "argument other --bounces"),
+    ] {
+        assert_eq!(failure(&mut command(&[&["replay", "s.helio", "-c", "c.csv"], more].concat())), expected);
+    }
 }

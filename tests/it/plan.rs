@@ -24,6 +24,7 @@ use heliotile_core::weather::time::bins::Bins;
 use heliotile_files::input::weather::read_weather;
 use heliotile_scene::Scene;
 
+use crate::cli::failure;
 use crate::scenes::*;
 
 /// Returns coarse textures, the same on both sides of a comparison.
@@ -299,9 +300,13 @@ fn plan_prints_the_effects_that_build_leaves_out() {
     fs::write(path("r.csv"), "receiver,x,y,z,nx,ny,nz\na,0,0,0.1,0,0,1\nb,1,-3,2,0,1,0\n").expect("written");
     fs::write(path("c.csv"), "condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2\nx,180,40,800,100\n")
         .expect("written");
-    let run = |args: &[&str]| {
+    let command = |args: &[&str]| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_heliotile"));
-        let output = command.current_dir(folder.path()).args(args).output().expect("the program");
+        command.current_dir(folder.path()).args(args);
+        command
+    };
+    let run = |args: &[&str]| {
+        let output = command(args).output().expect("the program");
         let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
         (output.status.code(), text(&output.stdout), text(&output.stderr))
     };
@@ -340,8 +345,10 @@ fn plan_prints_the_effects_that_build_leaves_out() {
             run(&["replay", "w.helio", "-w", weather, "--every", "total", "-o", &format!("{weather}.csv")]);
         assert_eq!((code, said.contains("w.helio leaves out bounces (at most ")), (Some(0), warned), "{said}");
     }
-    let (code, _, message) = run(&[&["build"], &inputs[..], &["--negligible", "2%", "-o", "v.helio"]].concat());
-    assert!(code == Some(2) && message.contains("--weather <FILE>"), "{message}");
-    let (code, _, message) = run(&[&["build"], &inputs[..], &["--effects", "glare", "-o", "g.helio"]].concat());
-    assert!(code == Some(2) && message.contains("diffuse, bounces, mirrors, canopies"), "{message}");
+    for (more, expected) in [
+        (["--negligible", "2%", "-o", "v.helio"], "argument missing --weather"),
+        (["--effects", "glare", "-o", "g.helio"], "argument unreadable --effects glare"),
+    ] {
+        assert_eq!(failure(&mut command(&[&["build"], &inputs[..], &more].concat())), expected);
+    }
 }

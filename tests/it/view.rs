@@ -103,7 +103,7 @@ fn view_serves_the_parts_of_an_atlas() {
     let model = std::path::Path::new(crate::ROOT).join("tests/data/cityjson/hague.city.json");
     let cut = "--crs EPSG:28992 --spacing 4m --quality draft --part-size 45m --sample 0 -o atlas";
     assert!(folder.run(&format!("atlas partition {} {cut}", model.display())).status.success());
-    folder.refused("view atlas --port 0", &["atlas", "has no built part"]);
+    folder.fails("view atlas --port 0", "input lacks atlas parts");
     for part in ["x1749_y10177", "x1750_y10177"] {
         assert!(folder.run(&format!("build atlas --part {part}")).status.success());
     }
@@ -175,9 +175,9 @@ fn view_shows_two_archives_on_one_page() {
     assert!(output.status.success() && stderr(&output).contains("equal"), "{}", stderr(&output));
 }
 
-/// Two archives that cannot be compared are refused with exit code 2, and each message gives the
-/// reason and a hint: no receiver in common, another coordinate system, places 100 km apart, an
-/// atlas, a missing archive, no page: 6 of 6 by `view` or `export`.
+/// Two archives that cannot be compared are refused with exit code 2, and each error gives the
+/// reason: no receiver in common, another coordinate system, places 100 km apart, an atlas, a
+/// missing archive, no page: 6 of 6 by `view` or `export`.
 #[test]
 fn archives_that_cannot_be_compared_are_refused() {
     let folder = Folder::new();
@@ -193,21 +193,16 @@ fn archives_that_cannot_be_compared_are_refused() {
         assert!(built.status.success(), "{}", stderr(&built));
     }
     for command in ["view site.helio --port 0", "export site.helio --html page.html"] {
-        folder.refused(
-            &format!("{command} --with elsewhere.helio"),
-            &["elsewhere.helio", "no receiver in common", "to fix"],
-        );
-        folder.refused(&format!("{command} --with nowhere.helio"), &["nowhere.helio"]);
+        folder.fails(&format!("{command} --with elsewhere.helio"), "input other-site elsewhere.helio");
+        folder.fails(&format!("{command} --with nowhere.helio"), "missing-file nowhere.helio");
     }
-    folder.refused("view grid.helio --with other_grid.helio", &["EPSG:28992", "EPSG:25832", "not of one site"]);
-    folder.refused(
-        "view dutch.helio --with german.helio",
-        &["latitude 51", "not of one site", "built in one coordinate system"],
-    );
-    folder.refused("export site.helio --receiver roof -o r.png --with dutch.helio", &["--receiver", "--with"]);
+    folder.fails("view grid.helio --with other_grid.helio", "input other-site other_grid.helio");
+    folder.fails("view dutch.helio --with german.helio", "input other-site german.helio");
+    folder
+        .fails("export site.helio --receiver roof -o r.png --with dutch.helio", "argument excludes --receiver --with");
     fs::create_dir(folder.path("atlas")).expect("a folder");
     folder.write("atlas/atlas.json", "{}");
-    folder.refused("view site.helio --with atlas", &["is an atlas"]);
+    folder.fails("view site.helio --with atlas", "input other-kind atlas atlas");
     assert!(!folder.path("page.html").exists());
 }
 
@@ -219,11 +214,11 @@ fn files_that_cannot_be_shown_are_refused() {
     folder.build();
     fs::write(folder.path("cut.helio"), &fs::read(folder.path("site.helio")).expect("an archive")[..3000])
         .expect("written");
-    folder.refused("view nowhere.helio", &["nowhere.helio"]);
-    folder.refused("view scene.obj", &["scene.obj"]);
-    folder.refused("view cut.helio", &["cut.helio"]);
-    folder.refused("view site.helio --weather scene.obj", &["scene.obj"]);
-    folder.refused("export site.helio --html nowhere/page.html", &["nowhere"]);
+    folder.fails("view nowhere.helio", "missing-file nowhere.helio");
+    folder.fails("view scene.obj", "input other-kind scene.obj a scene (OBJ)");
+    folder.fails("view cut.helio", "input other-kind cut.helio not an archive");
+    folder.fails("view site.helio --weather scene.obj", "input other-kind scene.obj a scene (OBJ)");
+    folder.fails("export site.helio --html nowhere/page.html", "input lacks nowhere/page.html folder");
 }
 
 /// `export --html` writes one file that holds the archive's bytes and those of the weather, and no

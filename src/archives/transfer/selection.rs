@@ -11,7 +11,7 @@ use crate::receiver_ids::ReceiverIds;
 use crate::transfer::rows::ArchiveReceivers;
 use crate::transfer::union::{Side, union};
 use heliotile_core::archive::tables::NameOf;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::opened::{NameIndex, OpenSite, tiles_within};
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::text::{counted, listed, message};
@@ -86,7 +86,7 @@ impl Selection {
             return Ok(kept);
         }
         let hint = "choose a larger part; positions are in the coordinates of the scene file";
-        Err(Error::input(first(sites), None, "the selection holds none of the receivers", hint))
+        Err(Error::input(first(sites), None, "the selection holds none of the receivers", hint).because(Problem::Empty))
     }
 }
 
@@ -185,7 +185,7 @@ fn named(names: &[String], thing: &str, of: &[NameOf], sites: &[OpenSite]) -> Re
     let hint = message!(
         "use the {thing} names in `receivers.csv`; {{surface}} is for surfaces, {{object}} for objects and buildings"
     );
-    Err(Error::input(first(sites), None, found, hint))
+    Err(Error::input(first(sites), None, found, hint).because(Problem::unknown(&names.join(", "), [])))
 }
 
 /// Selects the receivers whose ids are in a file.
@@ -197,7 +197,9 @@ fn listed_in(file: &Path, sites: &[OpenSite], folder: &Path, budget_bytes: usize
     }
     let names = missing.listed(|id, line| format!("{id} (line {line})"));
     let what = format!("{} {} {names}", first(sites).display(), none(sites, NOT_HELD));
-    Err(Error::input(file, None, what, "remove these rows, or give the archive that holds them"))
+    let ids: Vec<&str> = missing.some.iter().map(|(id, _)| id.as_str()).collect();
+    Err(Error::input(file, None, what, "remove these rows, or give the archive that holds them")
+        .because(Problem::unknown(&ids.join(", "), [])))
 }
 
 /// Ids that no archive holds.

@@ -10,7 +10,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use heliotile_core::archive::read_at::read_exact_at;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 
 use heliotile_files::writing::file_lock::FileLock;
 use heliotile_files::writing::regular::{is_named, open_regular, write_all_at};
@@ -101,7 +101,7 @@ impl Disk for SystemDisk {
             }
         }
         let hint = "wait for it to end, or write to another file";
-        Err(Error::input(path, None, "is being written by another process", hint))
+        Err(Error::input(path, None, "is being written by another process", hint).because(Problem::Busy))
     }
 
     fn open(&self, path: &Path) -> io::Result<Box<dyn DiskFile>> {

@@ -10,7 +10,7 @@ use crate::sources::holding;
 use heliotile_archives::Workspace;
 use heliotile_archives::transfer::Selection;
 use heliotile_core::archive::{Archive, format};
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::maps::{Illumination, Map as LayerMap, maps};
 use heliotile_core::replay::receiver_view::ReceiverView;
@@ -187,7 +187,7 @@ fn overlay(
                 None => {
                     let what = "states no place, and neither does the archive";
                     let hint = "give a latitude in place of the file, such as {latitude} 52, or build the archive from a scene with a place";
-                    Err(Error::input(file, None, what, hint))
+                    Err(Error::input(file, None, what, hint).because(Problem::Lacks("place")))
                 }
                 place => Ok(place),
             };

@@ -6,7 +6,7 @@ use std::io::Read;
 use std::path::Path;
 
 use heliotile_core::archive::format;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::text::{Message, message};
 use heliotile_requests::InputKind;
 use heliotile_scene::format_of_name;
@@ -44,7 +44,8 @@ pub fn check(wanted: InputKind, path: &Path) -> Result<()> {
         return Ok(());
     }
     let what = format!("is {}, not {}", kind.name(), name(wanted));
-    Err(Error::input(path, None, what, advice(wanted, kind, &path.display().to_string())))
+    Err(Error::input(path, None, what, advice(wanted, kind, &path.display().to_string()))
+        .because(Problem::other_kind(kind.name())))
 }
 
 fn name(wanted: InputKind) -> &'static str {

@@ -8,7 +8,7 @@ mod pairs_tests;
 
 use std::path::Path;
 
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::text::message;
 use heliotile_files::input;
 use heliotile_files::writing::claim::{ClaimedOutput, OutputGuard};
@@ -95,11 +95,12 @@ fn check_output(path: &Path, written: OutputKind, geo: bool) -> Result<()> {
                 None,
                 what,
                 format!("give a folder: {}", path.with_extension("").display()),
-            ));
+            )
+            .because(Problem::Ending));
         }
         OutputKind::Folder(_) if path.exists() && !path.is_dir() => {
             let what = "is an existing file, and the output is a folder";
-            return Err(Error::input(path, None, what, "give the folder another name"));
+            return Err(Error::input(path, None, what, "give the folder another name").because(Problem::Exists));
         }
         // The folder is made together with its parents.
         OutputKind::Folder(_) => return Ok(()),
@@ -113,7 +114,7 @@ fn check_output(path: &Path, written: OutputKind, geo: bool) -> Result<()> {
         true => (format!("{} is not a folder", folder.display()), "give a path in a folder".into()),
         false => (format!("there is no folder {}", folder.display()), format!("mkdir -p {}", folder.display())),
     };
-    Err(Error::input(path, None, what, hint))
+    Err(Error::input(path, None, what, hint).because(Problem::Lacks("folder")))
 }
 
 /// Extensions that no folder is meant to have.

@@ -28,7 +28,7 @@ pub struct HourAir {
 
 /// Name of a value that an hour lacks and comfort depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct MissingAir(&'static str);
+pub struct MissingAir(pub &'static str);
 
 /// Values of an hour that are equal at all points.
 #[derive(Clone, Debug, PartialEq)]

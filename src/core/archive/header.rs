@@ -9,7 +9,7 @@ use crate::archive::format::{
     SLOT_SIZE, Slot,
 };
 use crate::archive::source::Source;
-use crate::error::{Error, Result};
+use crate::error::{Error, Problem, Result};
 
 /// The current slot of a file, and the damaged ones.
 #[derive(Clone, Debug)]
@@ -108,6 +108,7 @@ fn check_numbers(slot: &Slot, length: u64) -> std::result::Result<(), (String, S
 
 fn not_an_archive(path: &Path, why: String) -> Error {
     Error::input(path, None, format!("is not a heliotile archive: {why}"), "name a file that a build wrote")
+        .because(Problem::other_kind("not an archive"))
 }
 
 fn corrupt(path: &Path, got: String, expected: String) -> Error {

@@ -16,7 +16,7 @@ use crate::archive::read_at::ReadAt;
 #[cfg(any(unix, windows))]
 use crate::archive::source::Access;
 use crate::archive::source::Source;
-use crate::error::{Error, Result};
+use crate::error::{Error, Problem, Result};
 
 /// An open archive whose header, directory and manifest were checked. Many threads may read from
 /// it.
@@ -130,7 +130,8 @@ impl Archive {
                 let what = "is for replay only, without hits and cells: it cannot answer for changed reflectances, a \
                             number of bounces, bands, longwave, comfort, maps of what a receiver sees or EnergyPlus, \
                             and cannot be merged or compared block by block";
-                Err(Error::input(self.path(), None, what, "use the archive that it was taken from, or build it again"))
+                let hint = "use the archive that it was taken from, or build it again";
+                Err(Error::input(self.path(), None, what, hint).because(Problem::Lacks("hits and cells".into())))
             }
             None => {
                 let what = format!("holds no block {}", format::block_name(kind, tile));

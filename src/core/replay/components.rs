@@ -374,7 +374,8 @@ impl FromStr for ComponentList {
                 return Err(Wrong { problem: Problem::unknown(part, names), ..what.into() });
             };
             if list.contains(&component) {
-                return Err(format!("`{}` is named twice", component.name()).into());
+                let what = format!("`{}` is named twice", component.name());
+                return Err(Wrong { problem: Problem::duplicate(component.name()), ..what.into() });
             }
             list.push(component);
         }

@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use crate::archive::format::{RECEIVERS, RESPONSE, SKY, TileNumber, block_name};
 use crate::archive::tables::{NameOf, ReceiversTable};
-use crate::error::{Error, Result};
+use crate::error::{Error, Problem, Result};
 use crate::hemisphere::texel_of;
 use crate::layers::canopy;
 use crate::layers::canopy::{Canopy, Powers};
@@ -207,5 +207,5 @@ fn find(site: &OpenSite, id: &str) -> Result<(u32, usize, ReceiversTable)> {
     }
     let names: Vec<&str> = near.iter().map(|(_, name)| name.as_str()).collect();
     let hint = format!("name a receiver of the archive, such as {}", names.join(", "));
-    Err(Error::input(site.path(), None, format!("holds no receiver `{id}`"), hint))
+    Err(Error::input(site.path(), None, format!("holds no receiver `{id}`"), hint).because(Problem::unknown(id, [])))
 }

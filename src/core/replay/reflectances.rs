@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use crate::archive::manifest::Manifest;
-use crate::error::{Error, Result};
+use crate::error::{Error, Problem, Result};
 use crate::light::fresnel::specular_mean;
 use crate::light::states::Schedule;
 use crate::opened::OpenSite;
@@ -223,6 +223,7 @@ impl Changeable<'_> {
             "is a canopy, whose reflectance follows from its transmittance",
             "change its {transmittance}",
         )
+        .map_err(|error| error.because(Problem::other_kind("canopy")))
     }
 
     /// Returns the canopies of a name. It is an error if there are none.
@@ -240,6 +241,7 @@ impl Changeable<'_> {
             false => format!("name canopies or their group: {}", canopies.join(", ")),
         };
         self.some(members, name, "is not a canopy: it has no transmittance", hint)
+            .map_err(|error| error.because(Problem::Lacks("transmittance")))
     }
 
     fn some(&self, members: Vec<usize>, name: &str, what: &str, hint: impl Into<Message>) -> Result<Vec<usize>> {
@@ -286,7 +288,7 @@ fn members(site: &Path, materials: &[Material], name: &str) -> Result<Vec<usize>
         let what = format!("there is no group and no material `{name}`");
         let hint =
             format!("name a group ({}), a material ({}), `ground` or `obstruction`", listed(&groups), listed(&names));
-        return Err(Error::input(site, None, what, hint));
+        return Err(Error::input(site, None, what, hint).because(Problem::unknown(name, [])));
     }
     Ok(found)
 }

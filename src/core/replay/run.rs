@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::archive::format;
 use crate::archive::format::BlockKind;
-use crate::error::{Error, Result};
+use crate::error::{Error, Problem, Result};
 use crate::layers::response::Response;
 use crate::light::canopies;
 use crate::light::canopies::TransmittanceStates;
@@ -219,7 +219,9 @@ impl<'r, 'a> ReplayBuilder<'r, 'a> {
         let leaves = canopies::stored(site.materials());
         if !schedules.is_empty() && !site.settings().diffuse && leaves.is_empty() {
             let what = "was built without diffuse reflections, so no reflectance can be changed";
-            return Err(Error::input(site.path(), None, what, "build it with {effects} all"));
+            return Err(
+                Error::input(site.path(), None, what, "build it with {effects} all").because(Problem::Lacks("diffuse"))
+            );
         }
         let behind = |forcing: Forcing, ways| match leaves.is_empty() {
             true => forcing,

@@ -64,7 +64,8 @@ pub fn parse_schedule(path: &Path, bytes: &[u8], column: Column, rows: Rows) -> 
         }
         Rows::Conditions(_) => ("a table of conditions of", "give a line for each condition, in their order"),
     };
-    Err(Error::input(path, None, format!("{found} values for {of} {} rows", rows.count()), hint))
+    Err(Error::input(path, None, format!("{found} values for {of} {} rows", rows.count()), hint)
+        .because(Problem::OutOfRange { found: found as f64, least: rows.count() as f64, most: rows.count() as f64 }))
 }
 
 fn parse(path: &Path, bytes: &[u8], column: Column) -> Result<Vec<f64>> {
@@ -90,7 +91,8 @@ fn parse(path: &Path, bytes: &[u8], column: Column) -> Result<Vec<f64>> {
             Ok(value) if column.holds(value) => values.push(value),
             _ => {
                 let what = format!("column `{name}` holds `{text}`");
-                return Err(Error::input(path, line, what, format!("write a number from {low} to {high}")));
+                return Err(Error::input(path, line, what, format!("write a number from {low} to {high}"))
+                    .because(Problem::value(name, text)));
             }
         }
     }

@@ -12,7 +12,7 @@ use glam::DVec3;
 
 use crate::dome::image::DomeImage;
 use crate::dome::series::{PatchRow, PatchSeries};
-use crate::error::Error;
+use crate::error::{Error, Problem};
 use crate::named::NamedValues;
 use crate::sky::disc::disc_directions;
 use crate::weather::conditions::Condition;
@@ -38,7 +38,7 @@ impl NamedValues for SkyScale {
 /// beside its patches, Perez' tilted surfaces of 1990.
 pub fn no_parts() -> Error {
     let what = "`perez1990` adds light at the sun and on the horizon, which a file of skies or clouds cannot change";
-    Error::argument("sky", what, "choose another sky, such as `perez`")
+    Error::argument("sky", what, "choose another sky, such as `perez`").because(Problem::excludes("sky"))
 }
 
 /// Skies from a file, one a row.

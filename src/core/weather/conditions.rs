@@ -198,7 +198,7 @@ pub fn parse_conditions(path: &Path, bytes: &[u8]) -> Result<ConditionsFile> {
             }
             (Some(_), Some(_)) => {
                 let what = format!("column `{name}` appears twice in the header");
-                return Err(Error::input(path, 1, what, "keep one of the two"));
+                return Err(Error::input(path, 1, what, "keep one of the two").because(Problem::duplicate(name)));
             }
         };
     }
@@ -215,7 +215,7 @@ pub fn parse_conditions(path: &Path, bytes: &[u8]) -> Result<ConditionsFile> {
         }
         if let Some(first) = line_of_name.insert(name.to_string(), line) {
             let what = format!("condition `{name}` was already on line {first}");
-            return Err(Error::input(path, line, what, "give every row its own name"));
+            return Err(Error::input(path, line, what, "give every row its own name").because(Problem::duplicate(name)));
         }
         let mut values = [0.0; 4];
         let limits = [(-360.0, 360.0), (-90.0, 90.0), (0.0, MAX_IRRADIANCE_W_M2), (0.0, MAX_IRRADIANCE_W_M2)];
@@ -226,7 +226,7 @@ pub fn parse_conditions(path: &Path, bytes: &[u8]) -> Result<ConditionsFile> {
                 _ => {
                     let what = format!("column `{column}` holds `{text}`");
                     let hint = format!("write a number from {low} to {high}");
-                    return Err(Error::input(path, line, what, hint));
+                    return Err(Error::input(path, line, what, hint).because(Problem::value(column, text)));
                 }
             };
         }
@@ -245,7 +245,7 @@ pub fn parse_conditions(path: &Path, bytes: &[u8]) -> Result<ConditionsFile> {
     }
     if conditions.is_empty() {
         let hint = format!("write one line per condition below {}", COLUMNS.join(","));
-        return Err(Error::input(path, None, "the file has no conditions", hint));
+        return Err(Error::input(path, None, "the file has no conditions", hint).because(Problem::Empty));
     }
     Ok(ConditionsFile { conditions, warnings })
 }

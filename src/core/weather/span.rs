@@ -5,7 +5,7 @@ use std::fmt;
 use std::path::Path;
 use std::str::FromStr;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Problem, Result};
 use crate::weather::time::calendar::Date;
 use crate::weather::time::sun::Interval;
 use crate::weather::time::years::Years;
@@ -131,7 +131,7 @@ impl Span {
         if has_year && Years::new(rows.iter().map(|row| row.date)) == Years::Typical {
             let what = format!("its months come from different years, so the part {self} would hold only some of them");
             let hint = "give month and day alone, such as 03-01, or put them into one year with {year}";
-            return Err(Error::input(file, None, what, hint));
+            return Err(Error::input(file, None, what, hint).because(Problem::Lacks("hours")));
         }
         let chosen: Vec<bool> = rows.iter().map(|row| self.contains(row)).collect();
         if chosen.contains(&true) {
@@ -141,7 +141,7 @@ impl Span {
             |moment: Option<(Date, f64)>| moment.map_or_else(String::new, |(date, minutes)| date.label(minutes as u32));
         let (first, last) = (label(rows.first().map(Interval::start)), label(rows.last().map(Interval::end)));
         let what = format!("no row lies in the part {self}; its rows reach from {first} to {last}");
-        Err(Error::input(file, None, what, "choose dates within the file"))
+        Err(Error::input(file, None, what, "choose dates within the file").because(Problem::Lacks("hours")))
     }
 
     fn contains(&self, interval: &Interval) -> bool {

@@ -10,7 +10,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use crate::new_object::NewObject;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use object::ModelField;
 pub use object::ModelObject;
 
@@ -51,7 +51,8 @@ impl Document {
             "epjson" | "json" => Form::EpJson,
             _ => {
                 let what = "is not named like a model of EnergyPlus: the name must end with .idf or .epJSON";
-                return Err(Error::input(file, None, what, "give the model first, and its surroundings with {scene}"));
+                return Err(Error::input(file, None, what, "give the model first, and its surroundings with {scene}")
+                    .because(Problem::Ending));
             }
         };
         let objects = match form {

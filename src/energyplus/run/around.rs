@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3};
 
 use super::Task;
 use crate::neighbours::{Neighbours, Spot, convergence_deg};
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::site::material::{Class, Material};
 use heliotile_core::text::{Message, counted, message};
 use heliotile_scene::Scene;
@@ -91,7 +91,7 @@ fn refuse_far(task: &Task, scene: &Scene) -> Result<()> {
     }
     if middle.truncate().length() > APART_M {
         let what = format!("lies about {:.0} {:.0}, far from the model's origin", middle.x, middle.y);
-        return Err(Error::input(&first, None, what, hint));
+        return Err(Error::input(&first, None, what, hint).because(Problem::Misplaced));
     }
     Ok(())
 }

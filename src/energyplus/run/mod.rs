@@ -20,7 +20,7 @@ use heliotile_builder::planning::AccuracyRequest;
 use heliotile_builder::settings::EffectChoice;
 use heliotile_builder::trace::placement::Placement;
 use heliotile_core::archive::Archive;
-use heliotile_core::error::{Error, Result, check_ranges};
+use heliotile_core::error::{Error, Problem, Result, check_ranges};
 use heliotile_core::light::paths::LightPaths;
 use heliotile_core::named::NamedValues;
 use heliotile_core::replay::factors::SunGrid;
@@ -456,7 +456,7 @@ fn no_surface(task: &Task, error: Error) -> Error {
         Error::Argument { argument, .. } if argument == "on" => {
             let what = "has no wall, roof or window that the sun may reach";
             let hint = "give a model with surfaces that are `Outdoors` and `SunExposed`";
-            Error::input(&task.request.model, None, what, hint)
+            Error::input(&task.request.model, None, what, hint).because(Problem::Empty)
         }
         error => error,
     }

@@ -7,7 +7,7 @@
 
 use std::path::Path;
 
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::weather::conditions::Condition;
 use heliotile_core::weather::row::WeatherRow;
 use heliotile_core::weather::time::sun::extraterrestrial_w_m2;
@@ -41,7 +41,8 @@ impl Steps {
             && (at(rows.first()), at(rows.last())) == (Some((1, 1)), Some((12, 31)));
         if !is_year {
             let what = format!("has {} rows that are not the hours of one year from 1 January", rows.len());
-            return Err(Error::input(file, None, what, "give the EPW file of a year, as EnergyPlus runs it"));
+            return Err(Error::input(file, None, what, "give the EPW file of a year, as EnergyPlus runs it")
+                .because(Problem::Lacks("hours")));
         }
         let an_hour = an_hour.max(1);
         let count = rows.len() * an_hour;

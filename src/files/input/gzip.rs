@@ -7,7 +7,7 @@ use std::io::{BufReader, Cursor, Read};
 use std::path::Path;
 
 use flate2::read::MultiGzDecoder;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 
 use super::budget::{MAX_STREAMED, most};
 use super::zip;
@@ -29,10 +29,12 @@ fn unpack_up_to(most: u64, bytes: Vec<u8>, file: &Path) -> Result<Vec<u8>> {
     read.map_err(|error| {
         let what = format!("the gzip data cannot be unpacked beyond byte {}: {error}", plain.len());
         Error::input(file, None, what, "the file is damaged or cut off: fetch or pack it again")
+            .because(Problem::Damaged)
     })?;
     if plain.len() as u64 > most {
         let hint = "if the file is meant to be that large, unpack it with gunzip and give the plain file";
-        return Err(Error::input(file, None, format!("unpacks to more than {most} bytes"), hint));
+        return Err(Error::input(file, None, format!("unpacks to more than {most} bytes"), hint)
+            .because(Problem::OutOfRange { found: plain.len() as f64, least: 0.0, most: most as f64 }));
     }
     Ok(plain)
 }

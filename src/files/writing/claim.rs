@@ -288,6 +288,7 @@ fn lock_of(output: &Path) -> PathBuf {
 
 fn held(output: &Path) -> Error {
     Error::input(output, None, "is being written by another run", "wait for it to end, or give another name")
+        .because(Problem::Busy)
 }
 
 /// Advice for an output that is another file as well.

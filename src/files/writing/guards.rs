@@ -6,7 +6,7 @@ use std::io::Read;
 use std::path::Path;
 
 use heliotile_core::archive::format;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::text::is_address;
 
 use super::claim::{OWN_NAME, refuse_same};
@@ -17,7 +17,7 @@ pub fn guard_output(output: &Path, inputs: &[&Path]) -> Result<()> {
     match fs::metadata(output) {
         Ok(found) if !found.is_file() => {
             let what = "is a folder or a device, no file can be put in its place";
-            Err(Error::input(output, None, what, OWN_NAME))
+            Err(Error::input(output, None, what, OWN_NAME).because(Problem::other_kind("folder or device")))
         }
         _ => refuse_same(output, inputs),
     }
@@ -28,7 +28,8 @@ pub fn guard_archive(output: &Path) -> Result<()> {
     match starts_as_archive(output) {
         Some(false) => {
             let hint = "give the archive a name of its own, or remove the file";
-            Err(Error::input(output, None, "exists and is not an archive; it would be replaced", hint))
+            Err(Error::input(output, None, "exists and is not an archive; it would be replaced", hint)
+                .because(Problem::Exists))
         }
         _ => Ok(()),
     }
@@ -42,7 +43,7 @@ pub fn check_archive_name(path: &Path) -> Result<()> {
         return Ok(());
     }
     let hint = format!("name it {}", path.with_extension("helio").display());
-    Err(Error::input(path, None, "does not end with .helio, the ending of archives", hint))
+    Err(Error::input(path, None, "does not end with .helio, the ending of archives", hint).because(Problem::Ending))
 }
 
 /// Returns true if a file is an archive by its name or by its first bytes. Every web address counts

@@ -8,6 +8,7 @@ use crate::cli::quoted;
 use heliotile::atlas::{AtlasPlan, FILE, PartitionRequest};
 use heliotile::cases::{Catalogue, Find};
 use heliotile::remote::shown;
+use heliotile::requests::Problem;
 use heliotile::tables::tables;
 use heliotile::text::counted;
 use heliotile::{Error, Provenance, Result};
@@ -49,7 +50,8 @@ pub fn find(args: &Find, _: Provenance) -> Result<Outcome> {
     let found = heliotile::atlas::parts(&args.atlas, args.bbox)?;
     if found.is_empty() {
         let what = "no part of the atlas touches the box";
-        return Err(Error::input(&shown(&args.atlas), None, what, "give {bbox} in the coordinates of the scene files"));
+        return Err(Error::input(&shown(&args.atlas), None, what, "give {bbox} in the coordinates of the scene files")
+            .because(Problem::Empty));
     }
     let mut out = String::from("part,x,y,state,archive\n");
     for part in found {

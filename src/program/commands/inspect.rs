@@ -11,6 +11,7 @@ use heliotile::cases::Info;
 use heliotile::covering::black_below_horizon;
 use heliotile::materials::rounded;
 use heliotile::output::is_archive;
+use heliotile::requests::Problem;
 use heliotile::text::{counted, excerpt};
 use heliotile::tracing::in_hours;
 use heliotile::{BandOptics, Component, Error, Provenance, Result, SceneRequest, SiteFrame, WeatherOptions};
@@ -35,7 +36,8 @@ pub fn info(args: &Info, _: Provenance) -> Result<Outcome> {
     }
     if args.about_weather != WeatherOptions::default() {
         let hint = "give a weather file with {weather}, or leave them out";
-        return Err(Error::argument("time_zone, shift, weather_stamp, date_order", "describe a weather file", hint));
+        return Err(Error::argument("time_zone, shift, weather_stamp, date_order", "describe a weather file", hint)
+            .because(Problem::needs("weather")));
     }
     if let [place] = args.files.as_slice()
         && let Some(atlas) = Atlas::find(place)?
@@ -53,7 +55,8 @@ pub fn info(args: &Info, _: Provenance) -> Result<Outcome> {
     // Options of scenes do not apply to archives: they are refused rather than ignored.
     if args.scene.frame != SiteFrame::default() {
         let hint = "leave --crs, --latitude, --longitude, --rotate-deg, --elevation and --scale out";
-        return Err(Error::input(path, None, "is an archive, whose place was stated when it was built", hint));
+        return Err(Error::input(path, None, "is an archive, whose place was stated when it was built", hint)
+            .because(Problem::other_kind("archive")));
     }
     if !args.scene.footprints.is_default() {
         let hint = "leave --height, --storey-height and --base out";
@@ -62,7 +65,8 @@ pub fn info(args: &Info, _: Provenance) -> Result<Outcome> {
     let SceneRequest { materials, materials_only, no_ground, assume_version, .. } = &args.scene;
     if materials.is_some() || *materials_only || *no_ground || assume_version.is_some() {
         let hint = "leave --materials, --materials-only, --no-ground and --assume-version out";
-        return Err(Error::input(path, None, "is an archive, whose surfaces were stated when it was built", hint));
+        return Err(Error::input(path, None, "is an archive, whose surfaces were stated when it was built", hint)
+            .because(Problem::other_kind("archive")));
     }
     let archive = open_archive(path, args.io)?;
     let manifest = archive.manifest();

@@ -19,9 +19,13 @@ class Error(Exception):
     """Advice on what to do; empty if `what` says it."""
     problem: str | None = None
     """Kind of the problem: `missing`, `excludes`, `needs`, `unreadable`, `out-of-range`, `unknown`,
-    `no-column`, `same-file` or `other`."""
+    `no-column`, `same-file`, `duplicate`, `value`, `lacks`, `empty`, `misplaced`, `ending`,
+    `other-kind`, `other-version`, `other-inputs`, `other-site`, `exists`, `busy`, `damaged` or
+    `other`."""
     found: float | str | None = None
-    """Number, name or text that was found, of `out-of-range`, `unknown` and `unreadable`."""
+    """Number, name, text, kind or version that was found."""
+    name: str | None = None
+    """Column or key of the value, of `value`; what the file lacks, of `lacks`."""
     range: tuple[float, float] | None = None
     """Smallest and largest number allowed, of `out-of-range`."""
     known: list[str] | None = None

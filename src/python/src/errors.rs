@@ -111,7 +111,15 @@ fn exception(py: Python<'_>, error: &Error) -> PyResult<PyErr> {
                 made.setattr("found", found)?;
                 made.setattr("range", (least, most))?;
             }
-            Problem::Unreadable { found } => made.setattr("found", found)?,
+            Problem::Unreadable { found }
+            | Problem::Duplicate(found)
+            | Problem::OtherKind(found)
+            | Problem::OtherVersion(found) => made.setattr("found", found)?,
+            Problem::Value { name, found } => {
+                made.setattr("name", name)?;
+                made.setattr("found", found)?
+            }
+            Problem::Lacks(name) => made.setattr("name", name)?,
             Problem::NoColumn { column } => made.setattr("column", column)?,
             Problem::Excludes { other } => made.setattr("other", keyword(other))?,
             Problem::Needs { others } => {

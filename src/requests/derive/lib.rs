@@ -352,16 +352,15 @@ impl FieldAttribute {
             Some(parse) => quote!(|text: &str| (#parse)(text).map_err(::heliotile_requests::Wrong::from)),
             None => quote!(<#one as ::heliotile_requests::Parse>::parse),
         };
-        match (&self.range, &self.says) {
+        let read = match (&self.range, &self.says) {
             (Some(range), says) => {
                 let says = option(says);
-                quote!(|text: &str| ::heliotile_requests::within((#parse)(text), text, #range, #says))
+                quote!(::heliotile_requests::within((#parse)(text), text, #range, #says))
             }
-            (None, Some(says)) => {
-                quote!(|text: &str| (#parse)(text).map_err(|_| ::heliotile_requests::Wrong::from(#says)))
-            }
-            (None, None) => parse,
-        }
+            (None, Some(says)) => quote!((#parse)(text).map_err(|_| ::heliotile_requests::Wrong::from(#says))),
+            (None, None) => quote!((#parse)(text)),
+        };
+        quote!(|text: &str| #read.map_err(|wrong| wrong.found(text)))
     }
 
     /// Returns the value of a field of which nothing is given.

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use heliotile_comfort::people::climate::{HourAir, HourClimate, MissingAir};
 use heliotile_comfort::people::columns::ComfortColumn;
 use heliotile_comfort::people::model::ComfortModel;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::observer::Silent;
 use heliotile_core::replay::schedule_csv::{Column, Rows, parse_schedule};
 use heliotile_core::weather::air::Air;
@@ -95,5 +95,5 @@ fn winds(request: &ComfortRequest, dates: &[Date], resources: &Resources) -> Res
 fn refused(request: &ComfortRequest, missing: MissingAir, label: &str) -> Error {
     let hint = "fill in the column, leave such rows out with {from} and {to}, or choose columns that do not need it, such as {columns} \
                 mrt; {wind} gives a wind";
-    Error::input(&request.replay.weather, None, missing.in_hour(label), hint)
+    Error::input(&request.replay.weather, None, missing.in_hour(label), hint).because(Problem::Lacks(missing.0))
 }

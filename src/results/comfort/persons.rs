@@ -19,7 +19,7 @@ use heliotile_comfort::people::views::{PlaneViews, SeenByPlane, open_share, unif
 use heliotile_comfort::surroundings::{SeenSurfaces, SixPlanes, ViewShares};
 use heliotile_core::archive::format;
 use heliotile_core::archive::format::BlockKind;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::layers::sky_bitmap::SkyBitmap;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::{Component, ComponentSet};
@@ -127,7 +127,7 @@ fn under_leaves(stream: &TileStream) -> Result<HashMap<String, f64>> {
 fn no_persons(place: &Path, what: String) -> Error {
     let hint = "give the scene instead of the archive, or receivers for the planes up, down, north, east, south and west of each point \
                 P: P, P/down, P/north and so on";
-    Error::input(place, None, what, hint)
+    Error::input(place, None, what, hint).because(Problem::Lacks("receivers"))
 }
 
 impl<'s> PersonCollector<'s> {

@@ -14,7 +14,7 @@ use heliotile_comfort::people::columns::ComfortColumn;
 use heliotile_comfort::people::model::{ComfortModel, SunOnPerson, SurfaceModel};
 use heliotile_comfort::pet::{PetPerson, PetPosture};
 use heliotile_comfort::surroundings::{MIN_FILM_W_M2_K, SeenSurfaces, SurfaceMean, USUAL_FILM_W_M2_K};
-use heliotile_core::error::{Error, Result, check_ranges};
+use heliotile_core::error::{Error, Problem, Result, check_ranges};
 use heliotile_core::named::NamedValues;
 use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::site::material::{Class, Material, rounded};
@@ -182,7 +182,7 @@ impl ComfortRequest {
             files.plots.iter().find(|plot| !plot.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")))
         {
             let what = format!("`{}` does not end with .png, and comfort is drawn only as a map", chart.display());
-            return Err(Error::argument("plot", what, "give a name that ends with .png"));
+            return Err(Error::argument("plot", what, "give a name that ends with .png").because(Problem::Ending));
         }
         files.check(None, None, inputs)
     }

@@ -17,7 +17,7 @@ use super::buildings::check_table;
 use super::files::OutputRequest;
 use super::request::{LightRequest, QueryRequest, ReplayRequest};
 use crate::outputs::periods::Every;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::replay::components::{Component, ComponentList};
 use heliotile_files::writing::claim::same_place;
 
@@ -110,7 +110,7 @@ impl CompareRequest {
         if self.after.len() > 1 && has_details {
             let what = format!("hold the change to one archive only, and {} are given", self.after.len());
             let hint = "give one changed archive, or {summary} FILE for a row for each of them";
-            return Err(Error::argument("output, plot", what, hint));
+            return Err(Error::argument("output, plot", what, hint).because(Problem::excludes("after")));
         }
         let inputs: Vec<&Path> = inputs.iter().copied().chain(self.after.iter().map(PathBuf::as_path)).collect();
         files.check(self.under.light().chosen_columns().as_ref(), every, &inputs)?;

@@ -9,7 +9,7 @@ use crate::archives::Archives;
 use crate::receivers::{ReceiverChoice, ReceiverSet};
 use crate::stream::TileStream;
 use heliotile_archives::transfer::{Bounds, Selection};
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::memory::{MemoryBudget, Use};
 use heliotile_core::opened::{ReceiverMatching, ReceiverPlace};
 use heliotile_core::replay::components::ComponentList;
@@ -95,7 +95,7 @@ impl VariantReplay<'_> {
         if matching.pairs.is_empty() {
             let what = format!("has none of the {} receivers of the archive before", before.places.len());
             let hint = "compare archives of one site: receivers are matched by place and normal, or by name";
-            return Err(Error::input(place, None, what, hint));
+            return Err(Error::input(place, None, what, hint).because(Problem::OtherSite));
         }
         let mut partner = vec![None; places.len()];
         for pair in &matching.pairs {

@@ -15,7 +15,7 @@ use crate::outputs::quantities::Quantity;
 use crate::outputs::sink::Sink;
 use crate::outputs::tables::layout::{By, Layout, Question};
 use crate::stream::{Tile, TileSink, TileStream};
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::replay::components::{ComponentList, ComponentSet};
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::text::message;
@@ -55,7 +55,7 @@ impl Plot {
                 "plot",
                 message!("`{}` is a chart over time, and {{every}} total gives only one sum", path.display()),
                 "give {every} month (bars) or hour (hours of the day by month), or a name that ends with .png for a map",
-            )),
+            ).because(Problem::excludes("every"))),
             (Some("svg"), _) => Ok(Plot::Bars),
             _ => Err(Error::Unsupported {
                 what: "ending of a picture".into(),
@@ -78,7 +78,7 @@ impl Plot {
                     };
                     let what =
                         format!("`{}` is a map, which shows one value for each place, not {count}", path.display());
-                    Err(Error::argument("plot", what, hint))
+                    Err(Error::argument("plot", what, hint).because(Problem::excludes("every")))
                 }
                 Plot::Bars if count > MAX_BARS => {
                     let what = "the number of bars of a chart (choose fewer with {from} and {to}, or a longer {every})";

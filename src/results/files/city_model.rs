@@ -11,7 +11,7 @@ use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
 use crate::outputs::tables::layout::By;
 use crate::stream::{Tile, TileSink, TileStream};
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::observer::Observer;
 use heliotile_core::replay::components::ComponentSet;
 use heliotile_core::site::receiver::Receiver;
@@ -27,11 +27,13 @@ pub fn check(request: &OutputRequest, every: Option<Every>, model: &Path) -> Res
     if !is_city_model(output) || is_sequence(output) != is_sequence(model) {
         let ending = if is_sequence(model) { ".city.jsonl" } else { ".city.json" };
         let what = message!("`{}` does not have the format of {{model}}", output.display());
-        return Err(Error::argument("output", what, format!("give a name that ends with {ending}")));
+        return Err(
+            Error::argument("output", what, format!("give a name that ends with {ending}")).because(Problem::Ending)
+        );
     }
     let Some(every) = every else {
         let what = "a city model holds sums over weather, not the light of suns and skies by themselves";
-        return Err(Error::argument("model", what, "give {weather}, or write a map"));
+        return Err(Error::argument("model", what, "give {weather}, or write a map").because(Problem::needs("weather")));
     };
     if matches!(every, Every::Hour | Every::Day) {
         let hint = "give {every} month, year or total";
@@ -39,11 +41,13 @@ pub fn check(request: &OutputRequest, every: Option<Every>, model: &Path) -> Res
             "every",
             "a city model holds sums of months, years or the total, not of hours or days",
             hint,
-        ));
+        )
+        .because(Problem::excludes("model")));
     }
     if request.by != By::Receiver {
         let hint = "leave {by} out: objects and semantic surfaces both get sums";
-        return Err(Error::argument("by", "a city model has rows of its own: objects and surfaces", hint));
+        return Err(Error::argument("by", "a city model has rows of its own: objects and surfaces", hint)
+            .because(Problem::excludes("model")));
     }
     Ok(())
 }
@@ -108,7 +112,8 @@ impl<'a> CityModelSink<'a> {
                     is_sequence(model).then_some(line),
                     format!("is not a city model: {what}"),
                     HINT,
-                ),
+                )
+                .because(Problem::other_kind("not CityJSON")),
                 RewriteError::Write(source) => failed(&self.output, source),
             })
         })?;
@@ -117,7 +122,7 @@ impl<'a> CityModelSink<'a> {
         if fitting.objects == 0 {
             let objects = counted(objects as u64, "city object");
             let what = format!("holds none of the {objects} of {}, such as `{example}`", place.display());
-            return Err(Error::input(model, None, what, HINT));
+            return Err(Error::input(model, None, what, HINT).because(Problem::OtherSite));
         }
         if fitting.objects < objects || fitting.faces < faces {
             observer.warn(format!(

@@ -8,7 +8,7 @@ use crate::outputs::periods::Every;
 use crate::outputs::provenance::Provenance;
 use crate::outputs::tables::layout::By;
 use crate::stream::{Tile, TileSink, TileStream};
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::replay::components::{Component, ComponentList, ComponentSet};
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::text::counted;
@@ -20,11 +20,12 @@ const COMPONENTS: [Component; 2] = [Component::Total, Component::SunDirect];
 pub fn check(columns: Option<&ComponentList>, every: Option<Every>, folder: &Path) -> Result<()> {
     let Some(every) = every else {
         let what = "a folder of Honeybee results holds hours of weather, not suns and skies by themselves";
-        return Err(Error::argument("honeybee", what, "give {weather}"));
+        return Err(Error::argument("honeybee", what, "give {weather}").because(Problem::needs("weather")));
     };
     if every != Every::Hour {
         let hint = "leave {every} out: Honeybee makes sums from the hours";
-        return Err(Error::argument("every", "a folder of Honeybee results holds hours only", hint));
+        return Err(Error::argument("every", "a folder of Honeybee results holds hours only", hint)
+            .because(Problem::excludes("honeybee")));
     }
     let known = |component: &Component| COMPONENTS.contains(component);
     if columns.is_some_and(|columns| !columns.as_slice().iter().all(known)) {
@@ -33,7 +34,8 @@ pub fn check(columns: Option<&ComponentList>, every: Option<Every>, folder: &Pat
             "columns",
             "a folder of Honeybee results holds only `total` and `direct`, the sun alone",
             hint,
-        ));
+        )
+        .because(Problem::excludes("honeybee")));
     }
     ResultsFolder::check(folder)
 }

@@ -18,7 +18,7 @@ use crate::outputs::shapes::writer::MapFormat;
 use crate::outputs::tables::format::{files_of, table_help};
 use crate::outputs::tables::layout::By;
 pub use crate::outputs::tables::layout::Question;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::replay::components::ComponentList;
 use heliotile_core::text::{Message, message};
 use heliotile_files::writing::guards::guard_output;
@@ -78,7 +78,9 @@ impl OutputRequest {
     pub fn check(&self, columns: Option<&ComponentList>, every: Option<Every>, inputs: &[&Path]) -> Result<()> {
         if self.positions && self.by != By::Receiver {
             let what = message!("rows are about groups of receivers, {{by}} {}", self.by.name());
-            return Err(Error::argument("positions", what, "leave {by} out, or {positions}"));
+            return Err(
+                Error::argument("positions", what, "leave {by} out, or {positions}").because(Problem::excludes("by"))
+            );
         }
         let inputs: Vec<&Path> = inputs.iter().copied().chain(self.model.as_deref()).collect();
         if self.output != Path::new("-") {
@@ -94,7 +96,8 @@ impl OutputRequest {
                     "output",
                     "a city model is written as a copy of another one, and none is given",
                     hint,
-                ))
+                )
+                .because(Problem::needs("model")))
             }
             _ => ResultFormat::by_ending(&self.output, self.geo).map(drop),
         }

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use crate::outputs::tables::layout::{By, Fact};
 
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::replay::components::Component;
 use heliotile_core::replay::values::TileValues;
 use heliotile_core::site::north::North;
@@ -105,14 +105,14 @@ impl Groups {
             let what = format!("{} receivers have no {column}: {}", homeless.count, homeless.listed());
             let hint =
                 message!("choose those that have one with {{receivers}}, or build with names in the column `{column}`");
-            return Err(Error::input(file, None, what, hint));
+            return Err(Error::input(file, None, what, hint).because(Problem::Lacks(column)));
         }
         if let Some((name, some)) = found.iter().find(|(_, s)| s.with_area != 0 && s.with_area != s.receivers) {
             let what =
                 format!("{} `{name}`: {} of {} receivers have an area", by.name(), some.with_area, some.receivers);
             let hint =
                 "build with an area for each receiver of a group, or for none: without areas, all count the same";
-            return Err(Error::input(file, None, what, hint));
+            return Err(Error::input(file, None, what, hint).because(Problem::Lacks("area")));
         }
         // Groups were numbered by first appearance; results list them by name.
         let mut by_number = vec![(0, 0.0, false); found.len()];

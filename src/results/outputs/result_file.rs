@@ -9,7 +9,7 @@ use crate::outputs::row_maker::RowMaker;
 use crate::outputs::shapes::writer::{MapFormat, MapStats, MapWriter};
 use crate::outputs::tables::format::Format;
 use crate::outputs::tables::table::Table;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::text::message;
 
 /// File format of results.
@@ -34,7 +34,8 @@ impl ResultFormat {
                 "geo",
                 format!("`{}` does not end with .parquet", path.display()),
                 "leave it out, or give a name that ends with .parquet",
-            )),
+            )
+            .because(Problem::Ending)),
             (None, None) => {
                 let maps: Vec<String> = MapFormat::ENDINGS.iter().map(|(ending, _)| format!(".{ending}")).collect();
                 Err(Error::Unsupported {

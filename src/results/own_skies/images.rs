@@ -13,7 +13,7 @@ use exr::prelude::{ReadChannels, ReadLayers, read};
 use super::hdr;
 use super::hdr::{Pixels, check_sides};
 use heliotile_core::dome::image::DomeImage;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_weather::skies::{PatchQuantity, luminance};
 
 /// Meaning of the levels of a picture.
@@ -68,7 +68,8 @@ pub(super) fn read_image(path: &Path, bytes: &[u8], levels: Levels, top_azimuth_
         Levels::Radiances { are_relative, .. } if are_relative || !pixels.are_coded => (1.0, PatchQuantity::Radiance),
         Levels::Radiances { .. } => {
             let hint = "state the radiance of white with {sky_white}, or scale the sky to the diffuse irradiance: {sky_scale} dhi";
-            return Err(Error::input(path, None, "the levels of a PNG are not radiances", hint));
+            return Err(Error::input(path, None, "the levels of a PNG are not radiances", hint)
+                .because(Problem::Lacks("white")));
         }
     };
     let numbers = pixels.levels.iter().map(|level| (level * factor) as f32).collect();

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use super::resources::Resources;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::sky::own_skies::{CloudLayer, OwnSky, SkyBalance, SkyScale, no_parts};
 use heliotile_core::text::{Message, message};
@@ -113,7 +113,8 @@ impl SkyFiles {
                 name,
                 "the sky is a model, not a file",
                 "give a file with {sky}, or leave it out",
-            ));
+            )
+            .because(Problem::needs("sky")));
         }
         if self.image_top_deg.is_some() && self.files().next().is_none() {
             let what = "no photograph of the sky or of clouds is given";

@@ -13,7 +13,7 @@ use crate::change::TracedScene;
 use crate::ground::endless;
 use crate::mesh::bounds;
 use crate::mesh_objects::MeshObjects;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::site::material::Material;
 use heliotile_core::site::scene_object::SceneObject;
 use heliotile_core::text::message;
@@ -85,7 +85,8 @@ impl EditedScene {
                 None,
                 what,
                 "give the object in the file another name, or remove the other one",
-            ));
+            )
+            .because(Problem::duplicate(twice.name.to_string())));
         }
         let materials: Vec<u16> =
             scene.materials.iter().map(|material| self.own_material(material, called)).collect::<Result<_>>()?;
@@ -162,7 +163,8 @@ impl EditedScene {
             return refuse(
                 "has no roof, which is a face that looks up and lies more than 1 m above the foot".to_owned(),
                 "remove it with {remove} and add another one with {add}",
-            );
+            )
+            .map_err(|error| error.because(Problem::Lacks("roof")));
         }
         if from + by < low.z + MIN_M {
             let what = format!(
@@ -202,7 +204,8 @@ impl EditedScene {
             (None, None) => {
                 let known = self.materials.iter().chain(described).map(|material| material.name.as_str());
                 let hint = message!("known materials: {}; {{materials}} may describe others", proposed(name, known));
-                Err(Error::argument("material", format!("there is no material `{name}`"), hint))
+                Err(Error::argument("material", format!("there is no material `{name}`"), hint)
+                    .because(Problem::unknown(name, [])))
             }
         }
     }

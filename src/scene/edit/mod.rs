@@ -20,7 +20,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use crate::change::TracedScene;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::site::material::Material;
 use heliotile_requests::{Form, Request};
 use names::ObjectNames;
@@ -118,10 +118,12 @@ impl SceneEdits {
             for object in &found {
                 if let Some(removed) = seen.get(object) {
                     let what = format!("`{name}` is to be removed, too ({removed})");
-                    return Err(Error::argument(field, what, "either remove it or edit it"));
+                    return Err(Error::argument(field, what, "either remove it or edit it")
+                        .because(Problem::excludes("remove")));
                 }
                 if !once.insert((field, *object)) {
-                    return Err(Error::argument(field, format!("`{name}` is given twice"), "give it once"));
+                    return Err(Error::argument(field, format!("`{name}` is given twice"), "give it once")
+                        .because(Problem::duplicate(name)));
                 }
             }
             Ok(found)

@@ -12,7 +12,7 @@ use crate::formats::{ReadOptions, stem};
 use crate::geometry::Geometry;
 use crate::placing::y_up::HeaderUp;
 use crate::text::{Lines, Words, excerpt, keyword_and_rest, leading_index, number};
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 
 /// Name of the material of faces before any `usemtl`.
 pub(super) const DEFAULT_MATERIAL: &str = "default";
@@ -116,7 +116,8 @@ impl<'f> Reader<'f> {
                 format!("{axis} of the vertex is `{}`, beyond all positions on Earth", excerpt(word))
             }
         };
-        Error::input(self.file, line, what, hint)
+        let found = word.map(|word| excerpt(word).to_string()).unwrap_or_default();
+        Error::input(self.file, line, what, hint).because(Problem::value(axis, found))
     }
 
     fn face(&mut self, line: usize, text: &[u8]) -> Result<()> {
@@ -160,7 +161,7 @@ impl<'f> Reader<'f> {
             0 => "put the `v` lines before the faces that use them".to_owned(),
             _ => format!("use 1 to {count}, or -{count} to -1 counted back from this line"),
         };
-        Error::input(self.file, line, what, allowed)
+        Error::input(self.file, line, what, allowed).because(Problem::value("f", String::from_utf8_lossy(word)))
     }
 
     fn use_material(&mut self, name: &[u8]) {
@@ -196,7 +197,8 @@ impl<'f> Reader<'f> {
                 line,
                 format!("face corner {index} points beyond the {count} vertices of the file"),
                 format!("use 1 to {count}, or negative numbers to count back from the line"),
-            ));
+            )
+            .because(Problem::value("f", index.to_string())));
         }
         if self.geometry.face_count() == 0 {
             return Err(Error::input(
@@ -204,7 +206,8 @@ impl<'f> Reader<'f> {
                 None,
                 format!("the file holds no faces ({count} vertices were read)"),
                 "export surfaces as `f` lines; points, lines and free-form surfaces are not read",
-            ));
+            )
+            .because(Problem::Empty));
         }
         for (keyword, line, times) in &self.ignored {
             self.geometry.warnings.push(

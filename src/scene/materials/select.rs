@@ -9,7 +9,7 @@ use heliotile_core::site::receiver::MAX_NAME_BYTES;
 use heliotile_core::text::{listed, message};
 
 use crate::text::excerpt;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 
 /// Parts of names that make a material ground.
 const GROUND: [&str; 15] = [
@@ -134,7 +134,7 @@ pub(crate) fn select(
         if let Some(near) = table.keys().find(|name| name.trim().to_lowercase() == alike) {
             hint = hint.and(format!(" (there is a `{}`: case and blanks count)", excerpt(near.as_bytes())));
         }
-        return Err(Error::input(source, None, what, hint));
+        return Err(Error::input(source, None, what, hint).because(Problem::unknown(&first.name, [])));
     }
     let materials: Vec<Material> = used.iter().filter_map(|entry| table.remove(&entry.name)).collect();
     for material in &materials {

@@ -13,7 +13,7 @@ use crate::ground::endless;
 use crate::ground::endless::EndlessGround;
 use crate::materials::select::{MaterialTable, table_header};
 use crate::text::{excerpt, line_of_offset, without_byte_order_mark};
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::site::bands::{Band, BandProperty};
 use heliotile_core::site::material::{Class, Glass, Material};
 use heliotile_files::input;
@@ -107,7 +107,7 @@ impl Reader<'_> {
                 }
                 (unknown, _) => {
                     let what = format!("unknown key `{}` of material `{shown}`", excerpt(unknown.as_bytes()));
-                    return Err(self.error(key.span(), what, KEYS));
+                    return Err(self.error(key.span(), what, KEYS).because(Problem::unknown(unknown, [])));
                 }
             }
         }
@@ -133,7 +133,7 @@ impl Reader<'_> {
     fn fraction(&self, called: &str, value: &Spanned<DeValue>) -> Result<f64> {
         number(value).filter(|number| (0.0..=1.0).contains(number)).ok_or_else(|| {
             let what = format!("{called} is {}, not a number from 0 to 1", self.quote(value));
-            self.error(value.span(), what, KEYS)
+            self.error(value.span(), what, KEYS).because(Problem::value(called, self.quote(value)))
         })
     }
 
@@ -166,6 +166,7 @@ impl Reader<'_> {
                 what,
                 format!("add the value for all light, as in {{ {SOLAR} = 0.2, visible = 0.1 }}"),
             )
+            .because(Problem::no_column("solar"))
         })
     }
 

@@ -8,7 +8,7 @@ use crate::LoadReport;
 use crate::mesh::bounds;
 use crate::placing::extent::Extent;
 use crate::placing::frame::SiteFrame;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::site::place::Place;
 use heliotile_place::reference::Reference;
 
@@ -46,7 +46,8 @@ pub(crate) fn place_of(extents: &[Extent], frame: &SiteFrame, report: &mut LoadR
         let Some(place) = &mut place else {
             let what = format!("the model is turned by {turn_deg} degrees, but its place is not stated");
             let hint = "give {latitude} and {longitude} as well (for example of the weather file), or {crs}";
-            return Err(Error::argument("rotate_deg", what, hint));
+            return Err(Error::argument("rotate_deg", what, hint)
+                .because(Problem::Needs { others: vec!["latitude".to_owned(), "longitude".to_owned()] }));
         };
         let y_deg = place.convergence_deg + turn_deg;
         // Angles beyond 180 degrees are brought into -180..180; others stay exact.

@@ -57,7 +57,7 @@ impl<'h> Header<'h> {
                     true => format!("column `{name}` appears twice"),
                     false => format!("columns `{}` and `{name}` state the same", first.name),
                 };
-                return Err(self.rows.error(what, "remove one of the two"));
+                return Err(self.rows.error(what, "remove one of the two").because(Problem::duplicate(*name)));
             }
             found = Some(Found { place, name });
             self.used.get_mut(place).into_iter().for_each(|used| *used = true);

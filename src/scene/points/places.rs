@@ -7,7 +7,7 @@ use std::path::Path;
 use super::header::{Header, Names, advance_to_header};
 use super::rows::PointColumns;
 pub use super::rows::{Facing, PointDefaults, PointHeight};
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::text::Message;
 use heliotile_files::csv_rows::CsvRows;
 
@@ -50,7 +50,9 @@ pub fn read_points(path: &Path, defaults: PointDefaults, warnings: &mut Vec<Mess
         // File systems may not tell capital letters from small ones.
         if let Some(first) = line_of.insert(point.name.to_lowercase(), rows.line) {
             let why = format!("the name of the point in line {first} too");
-            return Err(rows.cell_error(columns.name(), point.name, &why, "give every point a name of its own"));
+            return Err(rows
+                .cell_error(columns.name(), point.name, &why, "give every point a name of its own")
+                .because(Problem::duplicate(point.name)));
         }
         let (name, line) = (point.name.to_owned(), rows.line);
         points.push(PlacePoint { name, x: point.x, y: point.y, height: point.height, facing: point.facing, line });

@@ -91,11 +91,13 @@ fn collect(mut rows: ReceiverRows) -> Result<Vec<Receiver>> {
 pub fn duplicate(file: &Path, id: &str, first_line: usize, line: usize) -> Error {
     let why = format!("the name of the receiver in line {first_line} too");
     cell_error(file, line, "receiver", id, &why, "give every receiver a name of its own")
+        .because(Problem::duplicate(id))
 }
 
 /// Returns the error for a file without rows.
 pub fn no_receivers(file: &Path) -> Error {
     Error::input(file, None, "the file holds a header but no receivers", "add one row per receiver")
+        .because(Problem::Empty)
 }
 
 /// Height of the first surface below the sky at x and y, metres; `None` where there is none.

@@ -170,7 +170,11 @@ impl PointColumns {
         };
         let text = excerpt(record.iter().collect::<Vec<_>>().join(",").as_bytes());
         let what = format!("the row `{text}` has {} cells, the header {}", record.len(), self.count);
-        Err(rows.error(what, hint))
+        Err(rows.error(what, hint).because(Problem::OutOfRange {
+            found: record.len() as f64,
+            least: self.count as f64,
+            most: self.count as f64,
+        }))
     }
 
     fn height(&self, rows: &CsvRows) -> Result<PointHeight> {

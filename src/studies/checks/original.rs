@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use heliotile_core::archive::{Archive, format};
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::observer::Observer;
 use heliotile_core::text::Message;
 use heliotile_scene::Scene;
@@ -18,7 +18,8 @@ pub(super) fn site_of(archive: &Path, scene: &SceneRequest) -> Result<SceneFiles
     let stated = SiteFrame { elevation_m: None, scale: None, up: None, grid_north: false, ..scene.frame };
     if stated != SiteFrame::default() {
         let hint = "leave {crs}, {latitude}, {longitude} and {rotate_deg} out";
-        return Err(Error::input(archive, None, "keeps the place that was stated when it was built", hint));
+        return Err(Error::input(archive, None, "keeps the place that was stated when it was built", hint)
+            .because(Problem::other_kind("archive")));
     }
     let mut site = scene.site()?;
     // A turn in a list of files needs a place, which an option may have stated at the build.
@@ -41,7 +42,7 @@ pub(super) fn scene_of(archive: &Archive, site: &SceneFiles, first: &Path, obser
     if found != *expected {
         let what = format!("is not the scene of the archive: its hash is {found}, that of the archive {expected}");
         let hint = "give the scene and the materials that the archive was built from";
-        return Err(Error::input(first, None, what, hint));
+        return Err(Error::input(first, None, what, hint).because(Problem::OtherInputs));
     }
     // Place and ground are not part of the content hash: options may have stated the place, another
     // file the ground by month.

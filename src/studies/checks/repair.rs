@@ -118,7 +118,7 @@ impl RepairRequest {
         if done.root != root {
             let what = "the repaired archive has another root than the original: another release wrote the original, or its receivers were others";
             let hint = "compare the two with `{command:archive diff}`; if the repaired one is right, rename it to replace the original";
-            return Err(Error::input(&repaired, None, what, hint));
+            return Err(Error::input(&repaired, None, what, hint).because(heliotile_core::error::Problem::OtherInputs));
         }
         std::fs::rename(&repaired, output).map_err(Error::io(output, "rename the repaired archive to"))?;
         Ok(RepairDone { archive: output.clone(), problems, rays: done.rays.total() })

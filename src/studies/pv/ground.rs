@@ -7,7 +7,7 @@ use glam::DVec2;
 
 use super::modules::LaidRows;
 use heliotile_builder::siting::Siting;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::observer::Observer;
 use heliotile_scene::pv::ground::{GroundGrid, GroundPlace};
 
@@ -44,7 +44,8 @@ impl GroundSpot {
             let left_out = found.without_ground + found.in_modules;
             if found.list.is_empty() {
                 let what = format!("the rows `{name}`: their area has no free place on the ground");
-                return Err(Error::input(file, None, what, "give `ground` a smaller distance, or leave it out"));
+                return Err(Error::input(file, None, what, "give `ground` a smaller distance, or leave it out")
+                    .because(Problem::Empty));
             }
             if left_out > 0 {
                 observer.warn(format!(

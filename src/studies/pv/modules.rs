@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use glam::{DVec2, DVec3};
 
 use heliotile_builder::siting::Siting;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::observer::Observer;
 use heliotile_core::orientation::fan::Orientation;
 use heliotile_core::site::north::North;
@@ -60,7 +60,7 @@ impl LaidRows {
                     Err(near) => {
                         let what = format!("the scene has no surface `{name}`");
                         let hint = message!("name one that `{{command:receivers}}` lists, such as {}", near.join(", "));
-                        return Err(Error::input(file, None, what, hint));
+                        return Err(Error::input(file, None, what, hint).because(Problem::unknown(name, [])));
                     }
                 },
             };
@@ -78,7 +78,8 @@ impl LaidRows {
                     None,
                     what,
                     "give a larger area, a smaller setback or another orientation",
-                ));
+                )
+                .because(Problem::Empty));
             }
             if modules.len() > MAX_MODULES {
                 let (what, value) = ("the number of modules of rows".into(), modules.len() as u64);

@@ -10,7 +10,7 @@ use glam::DVec3;
 
 use super::ground::{GroundSpot, OFF_M};
 use heliotile_builder::siting::{Enclosed, Siting};
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::orientation::fan::Orientation;
 use heliotile_core::site::north::North;
 use heliotile_results::outputs::pv::search::PointSearch;
@@ -158,7 +158,8 @@ impl Spots {
 /// Returns a point with its height, without an orientation; refuses a point inside an object or
 /// below the ground.
 pub fn placed(table: &Path, point: &PlacePoint, siting: &Siting) -> Result<Spot> {
-    let refuse = |what: String, hint: &'static str| Err(Error::input(table, point.line, what, hint));
+    let refuse =
+        |what: String, hint: &'static str| Err(Error::input(table, point.line, what, hint).because(Problem::Misplaced));
     let name = &point.name;
     let z = match point.height {
         PointHeight::Z(z) => z,

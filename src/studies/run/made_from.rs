@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::site_build::KEEP_OR_REPLACE;
 use heliotile_core::archive::{Archive, format};
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::weather::time::sun::Interval;
 use heliotile_results::outputs::sink::write_texts;
 use heliotile_weather::series::Weather;
@@ -54,7 +54,8 @@ impl MadeFrom {
             Err(e) => return Err(Error::io(&path, "read")(e)),
             Ok(about) if about.len() > MAX_BYTES || !about.is_file() => {
                 let what = "was not written by heliotile";
-                return Err(Error::input(&path, None, what, "remove it, or give another folder with {output}"));
+                return Err(Error::input(&path, None, what, "remove it, or give another folder with {output}")
+                    .because(Problem::other_kind("not of heliotile")));
             }
             Ok(_) => {}
         }
@@ -62,6 +63,7 @@ impl MadeFrom {
         let read = serde_json::from_slice(&bytes).map_err(|error| {
             let what = format!("was not written by heliotile: {error}");
             Error::input(&path, error.line(), what, "remove it, or give another folder with {output}")
+                .because(Problem::other_kind("not of heliotile"))
         });
         read.map(Some)
     }
@@ -75,12 +77,12 @@ impl MadeFrom {
                 let read = &earlier.weather;
                 let what =
                     format!("holds results of other weather, read from {read}, or of another release of heliotile");
-                Err(Error::input(folder, None, what, KEEP_OR_REPLACE))
+                Err(Error::input(folder, None, what, KEEP_OR_REPLACE).because(Problem::OtherInputs))
             }
             None => match written.into_iter().find(|file| file.exists()) {
                 Some(file) => {
                     let what = format!("exists, and no {FILE} states what it was made from");
-                    Err(Error::input(&file, None, what, KEEP_OR_REPLACE))
+                    Err(Error::input(&file, None, what, KEEP_OR_REPLACE).because(Problem::Exists))
                 }
                 None => Ok(()),
             },
@@ -97,7 +99,7 @@ impl MadeFrom {
                 earlier.remove_files(folder)?;
             } else {
                 let what = "holds results of another archive than site.helio";
-                return Err(Error::input(folder, None, what, KEEP_OR_REPLACE));
+                return Err(Error::input(folder, None, what, KEEP_OR_REPLACE).because(Problem::OtherInputs));
             }
         }
         self.write(folder)

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::named::NamedValues;
 use heliotile_core::site::place::Place;
 use heliotile_core::text::Message;
@@ -54,7 +54,9 @@ pub fn formats(maps: &[RunMap]) -> impl Iterator<Item = MapFormat> {
 
 /// Returns the city model of a scene that sums can be written into.
 pub fn city_model_of(site: &SceneFiles) -> Result<&Path> {
-    let refuse = |what: Message, hint: &'static str| Err(Error::argument("map", what, hint));
+    let refuse = |what: Message, hint: &'static str| {
+        Err(Error::argument("map", what, hint).because(Problem::other_kind("not CityJSON")))
+    };
     match city_models(site).as_slice() {
         [only] => {
             let text = input::read(only)?;

@@ -9,7 +9,7 @@ use super::rule::{ClockHours, Rule, RuleClock, RuleMeasure};
 use heliotile_core::weather::time::clock_zone::ClockZone;
 use rayon::prelude::*;
 
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::layers::sides::TextureSides;
 use heliotile_core::site::north::North;
 use heliotile_core::weather::time::calendar::Date;
@@ -134,7 +134,8 @@ impl DayPlan {
                     "rule, dates",
                     what,
                     "give {dates}, or dates in the rule: dates = [\"03-21\"]",
-                ));
+                )
+                .because(Problem::Missing));
             }
             let sunny = match (rule.measure, sunny) {
                 (RuleMeasure::ProbablePercent, None) => {
@@ -144,7 +145,8 @@ impl DayPlan {
                         "rule, weather",
                         what,
                         "give {weather} to {command:sunlight}, or leave the rule out",
-                    ));
+                    )
+                    .because(Problem::needs("weather")));
                 }
                 (RuleMeasure::ProbablePercent, Some(sunny)) => Some(sunny),
                 _ => None,
@@ -225,7 +227,7 @@ impl SunnyHours {
             None => Ok(()),
             Some(date) => {
                 let what = format!("has no hours of {:02}-{:02}, which a rule counts", date.month, date.day);
-                Err(Error::input(file, None, what, "give weather of a whole year"))
+                Err(Error::input(file, None, what, "give weather of a whole year").because(Problem::Lacks("hours")))
             }
         }
     }

@@ -8,7 +8,7 @@ use heliotile_archives::complete;
 use heliotile_builder::held::held_scene;
 use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::{Archive, format};
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_scene::Scene;
 use heliotile_sunlight::{Spells, SunDay, SunSeen};
 
@@ -27,7 +27,7 @@ pub fn scene_of(archive: &Archive) -> Result<Scene> {
     if !archive.has(format::SCENE, TileNumber::FIRST) {
         let what = "the archive does not hold its scene, so no ray can be cast";
         let hint = "build it again without {no_scene}, or leave out {exact}, {spells}, {panes} and calendars";
-        return Err(Error::input(archive.path(), None, what, hint));
+        return Err(Error::input(archive.path(), None, what, hint).because(Problem::Lacks("scene")));
     }
     complete(archive)?;
     let held = held_scene(archive)?;

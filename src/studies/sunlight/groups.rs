@@ -8,7 +8,7 @@ use glam::DVec3;
 use super::measure::RuleValue;
 use super::places::{AnswerItem, PlaceAnswer, RowSubject};
 use super::rule::LitPart;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_files::spill::{Sorter, damaged};
 use heliotile_results::outputs::groups::Groups;
 use heliotile_results::outputs::tables::layout::By;
@@ -202,7 +202,7 @@ pub fn check_middles(asked: &RowSubject, by: By) -> Result<()> {
             let what =
                 format!("the rule `{}` needs the middle of a surface, which no {} has", planned.rule.name, by.name());
             let hint = "give {by} surface or window, or a rule with lit_share or area_share";
-            Err(Error::argument("by, rule", what, hint))
+            Err(Error::argument("by, rule", what, hint).because(Problem::excludes("rule")))
         }
     }
 }

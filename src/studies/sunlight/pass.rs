@@ -11,7 +11,7 @@ use super::panes::PaneList;
 use super::places::{PlaceAnswer, PlaceQuestions, RowSubject};
 use super::request::{RuleCount, SunlightDone, SunlightRequest, SunlightSite};
 use heliotile_core::archive::format;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::hemisphere::HEMISPHERE_SR;
 use heliotile_core::memory::Use;
 use heliotile_core::opened::OpenSite;
@@ -224,7 +224,7 @@ impl SunlightRequest {
         }
         let hint =
             "give materials of facades `glass = true` or a `specular` share in {materials}, and build it with mirrors";
-        Err(Error::input(path, None, what, hint))
+        Err(Error::input(path, None, what, hint).because(Problem::Lacks("mirrors")))
     }
 
     /// Warns of properties of archives that a user should know.

@@ -10,7 +10,7 @@ use super::days::{DayPlan, SunnyHours};
 use super::glare::GlareChoice;
 use super::places::{DateRows, RowSubject};
 use super::rule_files::read_rules;
-use heliotile_core::error::{Error, Result, check_ranges};
+use heliotile_core::error::{Error, Problem, Result, check_ranges};
 use heliotile_core::site::place::Place;
 use heliotile_core::text::{counted, message};
 use heliotile_core::weather::conditions::Stamp;
@@ -140,14 +140,17 @@ impl SunlightRequest {
         check_ranges(self)?;
         if self.dates.is_empty() && self.rules.is_empty() {
             let hint = "give {dates} 03-21, or {rule} with a name such as tno-light";
-            return Err(Error::argument("dates, rule", "neither dates nor a rule is given", hint));
+            return Err(
+                Error::argument("dates, rule", "neither dates nor a rule is given", hint).because(Problem::Missing)
+            );
         }
         if self.every == Every::Hour {
             return Err(Error::argument(
                 "every",
                 "sun is summed over days or longer, not over hours",
                 "give day, month, year or total",
-            ));
+            )
+            .because(Problem::unknown("hour", [])));
         }
         if !self.rules.is_empty() && self.every != Every::Day {
             let hint = "leave it out: rules define their own days";
@@ -162,7 +165,7 @@ impl SunlightRequest {
         }
         if let Some(chart) = self.calendars(files).next().filter(|_| self.glare.is_none()) {
             let what = format!("`{}` does not end with .png, and sunlight is drawn only as a map", chart.display());
-            return Err(Error::argument("plot", what, "give a name that ends with .png"));
+            return Err(Error::argument("plot", what, "give a name that ends with .png").because(Problem::Ending));
         }
         read_rules(&self.rules)?;
         let inputs: Vec<&Path> = inputs.iter().copied().chain(self.files()).collect();
@@ -172,7 +175,7 @@ impl SunlightRequest {
             if wants_spells && !self.rules.is_empty() {
                 let what = "show all sun in mirrors, and rules count only their own hours and angles";
                 let hint = "leave out {rule}, and give {dates}, {least_deflection} and {view_angle}";
-                return Err(Error::argument("spells, panes, plot", what, hint));
+                return Err(Error::argument("spells, panes, plot", what, hint).because(Problem::excludes("rule")));
             }
             let mut others: Vec<&Path> =
                 files.plots.iter().map(PathBuf::as_path).chain([files.output.as_path()]).collect();
@@ -223,7 +226,7 @@ impl SunlightRequest {
             let what = "has no place on Earth, so the position of the sun is unknown";
             let hint =
                 "build it with {latitude} and {longitude}, or with {crs}; or give {weather} to {command:sunlight}";
-            return Err(Error::input(archives.first().path(), None, what, hint));
+            return Err(Error::input(archives.first().path(), None, what, hint).because(Problem::Lacks("place")));
         };
         if archives.manifest().place.is_none() {
             resources.observer.note(format!(

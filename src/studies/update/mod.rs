@@ -16,7 +16,7 @@ use heliotile_builder::planning::{check_preview, tables};
 use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_builder::settings::BuildSettings;
 use heliotile_core::archive::{Access, Archive};
-use heliotile_core::error::{Error, Result, check_ranges};
+use heliotile_core::error::{Error, Problem, Result, check_ranges};
 use heliotile_core::memory::Use;
 use heliotile_core::observer::Observer;
 use heliotile_core::opened::SiteSettings;
@@ -80,7 +80,7 @@ impl UpdateRequest {
         let observer = resources.observer;
         if self.edits.is_empty() && self.add.files.is_empty() {
             let hint = "give an edit with it, or with {remove}, {move}, {height} or {material}";
-            return Err(Error::argument("add", "no edit is given", hint));
+            return Err(Error::argument("add", "no edit is given", hint).because(Problem::Missing));
         }
         // No ground is assumed below what is added.
         let add = SceneRequest { no_ground: true, ..self.add.clone() };

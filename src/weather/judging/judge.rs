@@ -12,7 +12,7 @@ use crate::judging::station::ScenePlace;
 use crate::judging::sums::{drop_empty_columns, drop_horizontal_dni, month_warning};
 use crate::judging::zenith::place_by_zenith;
 use crate::series::{Weather, WeatherReport};
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::text::{Message, message};
 use heliotile_core::weather::options::{TimeShift, WeatherOptions};
 use heliotile_core::weather::row::WeatherRow;
@@ -104,7 +104,8 @@ pub fn judged(path: &Path, raw: RawWeather, options: &WeatherOptions, scene: Sce
     let lost = report.findings.of(Finding::Zeroed);
     if lost.rows > 0 && done.iter().all(|(row, _)| row.dni_w_m2 == 0.0 && row.dhi_w_m2 == 0.0) {
         let what = format!("no row holds light; DNI or DHI of {} hours is missing, and so is GHI", lost.tidy_hours());
-        return Err(Error::input(path, lost.first_line, what, "give a weather file with solar radiation"));
+        return Err(Error::input(path, lost.first_line, what, "give a weather file with solar radiation")
+            .because(Problem::Lacks("light")));
     }
     let ahead = site.hours_ahead_of_clock();
     // No warning is needed with a shift, because the user knows that the clock is wrong; if the

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::site::place::Place;
 use heliotile_core::text::message;
 use heliotile_core::weather::options::WeatherOptions;
@@ -79,7 +79,8 @@ impl Station {
                 "give {{time_zone}}, hours ahead of UTC in standard time, such as {{time_zone}} {:+03.0}:00, or {{time_zone}} UTC",
                 longitude / 15.0
             );
-            return Err(Error::input(path, None, "does not state the time zone of its time stamps", hint));
+            return Err(Error::input(path, None, "does not state the time zone of its time stamps", hint)
+                .because(Problem::Lacks("time zone")));
         };
         let site = Location::new(latitude, longitude, zone, self.elevation_m).map_err(|what| {
             Error::input(path, None, what, "correct {latitude}, {longitude} or {time_zone}, or the values in the file")

@@ -12,7 +12,7 @@ use std::path::Path;
 
 use heliotile_core::dome::grid::PatchGrid;
 use heliotile_core::dome::series::PatchSeries;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 
 /// Quantity of the values of patches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -115,7 +115,7 @@ impl PatchFile {
                 let what = format!("none of {found} rows is named `{label}`");
                 let hint = "name rows as the results name them; a time is the start of its interval in local \
                             standard time";
-                Error::input(path, None, what, hint)
+                Error::input(path, None, what, hint).because(Problem::unknown(label, []))
             };
             if row.is_none() && *needed { Err(missing()) } else { Ok(row) }
         };

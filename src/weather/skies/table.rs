@@ -8,7 +8,7 @@ use std::path::Path;
 
 use crate::skies::{PatchFile, PatchQuantity, grid_of};
 use heliotile_core::dome::series::PatchSeries;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::text::{excerpt, separator_hint};
 
 /// Headings of a first column that names rows.
@@ -49,7 +49,8 @@ pub(super) fn parse_table(path: &Path, bytes: &[u8], quantity: PatchQuantity) ->
                 Ok(number) if quantity.holds(number) => numbers.push(number as f32),
                 _ => {
                     let what = format!("patch {} is `{}`", patch + 1, excerpt(text, 40));
-                    return Err(Error::input(path, line, what, format!("{}: correct the cell", quantity.range())));
+                    return Err(Error::input(path, line, what, format!("{}: correct the cell", quantity.range()))
+                        .because(Problem::value(format!("patch {}", patch + 1), excerpt(text, 40))));
                 }
             }
         }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::archive::format;
 use crate::archive::format::BlockKind;
-use crate::error::{Error, Result};
+use crate::error::{Error, Problem, Result};
 use crate::layers::canopy::Powers;
 use crate::layers::response::Response;
 use crate::light::canopies::{TransmittanceStates, stored};
@@ -54,7 +54,9 @@ impl<'a> InteractiveReplay<'a> {
         let mut powers = stored(site.materials());
         if !schedules.is_empty() && !diffuse && powers.is_empty() {
             let what = "was built without diffuse reflections, so no reflectance can be changed";
-            return Err(Error::input(site.path(), None, what, "build it with {effects} all"));
+            return Err(
+                Error::input(site.path(), None, what, "build it with {effects} all").because(Problem::Lacks("diffuse"))
+            );
         }
         let mirrors = (!site.orientations().is_empty()).then(|| MirrorTable::new(site));
         let mut responder = None;

@@ -2,13 +2,14 @@
 //! JSON for programs, as `HELIOTILE_ERRORS=json` asks.
 
 use std::error::Error as _;
+use std::path::Path;
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use serde_json::{Map, Value, json};
 
-use super::wording::worded;
+use super::wording::{option_of, worded};
 use heliotile::Error;
-use heliotile::requests::Wrong;
+use heliotile::requests::{Problem, Wrong};
 
 /// Variable of the environment that, with the value `json`, asks for JSON.
 const ERRORS: &str = "HELIOTILE_ERRORS";
@@ -19,24 +20,24 @@ pub fn report(error: Error) -> String {
     if !is_json() {
         return format!("heliotile: {error}\n");
     }
-    let mut facts = Map::new();
-    let mut state = |name: &str, value: Value| facts.insert(name.into(), value);
-    state("kind", error.kind().into());
-    if let Some(problem) = error.problem() {
-        state("problem", problem.name().into());
-    }
-    match &error {
-        Error::Argument { argument, .. } => {
-            state("fields", argument.split(", ").collect());
+    let shown = |path: &Path| path.display().to_string();
+    let about = match &error {
+        Error::Argument { argument, .. } => json!({ "fields": argument.split(", ").collect::<Vec<_>>() }),
+        Error::Input { file, line, .. } => json!({ "file": shown(file), "line": line }),
+        Error::Incomplete { partial: path, .. } | Error::Io { path, .. } | Error::SourceChanged { path, .. } => {
+            json!({ "file": shown(path) })
         }
-        Error::Input { file, line, .. } => {
-            state("file", file.display().to_string().into());
-            state("line", json!(line));
+        Error::Corrupt { path, block, .. } | Error::Defect { path, block, .. } => {
+            json!({ "file": shown(path), "block": block })
         }
-        Error::Io { path, .. } | Error::Corrupt { path, .. } | Error::Defect { path, .. } => {
-            state("file", path.display().to_string().into());
-        }
-        _ => {}
+        Error::Unsupported { found, .. } => json!({ "found": found }),
+        Error::Limit { value, max, .. } => json!({ "found": value, "most": max }),
+        _ => json!({}),
+    };
+    let mut facts = Map::from_iter([("kind".to_owned(), error.kind().into())]);
+    let found = error.problem().map(found).unwrap_or_default();
+    for more in [about, found] {
+        facts.extend(more.as_object().cloned().unwrap_or_default());
     }
     line(facts, &format!("{error:#}"), error.to_string().split_once("\n  to fix: ").map(|(_, fix)| fix))
 }
@@ -46,18 +47,50 @@ pub fn report_usage(error: &clap::Error) -> Option<String> {
     if !is_json() || !error.use_stderr() {
         return None;
     }
-    let word = |context| match error.get(context)? {
-        ContextValue::String(word) => Some(word.split([' ', '=']).next().unwrap_or_default().to_owned()),
-        _ => None,
+    let words = |context| {
+        let words = match error.get(context) {
+            Some(ContextValue::String(word)) => std::slice::from_ref(word),
+            Some(ContextValue::Strings(words)) => words,
+            _ => &[],
+        };
+        words
+            .iter()
+            .map(|word| word.trim_start_matches('<').split([' ', '=']).next().unwrap_or_default().into())
+            .collect::<Vec<Value>>()
     };
-    let fields: Vec<String> =
-        word(ContextKind::InvalidArg).or_else(|| word(ContextKind::InvalidSubcommand)).into_iter().collect();
-    let wrong = error.source().and_then(|source| source.downcast_ref::<Wrong>());
-    let problem = wrong.map_or_else(|| problem_of(error.kind()), |wrong| wrong.problem.name());
-    let facts = [("kind", "argument".into()), ("problem", problem.into()), ("fields", json!(fields))];
+    let fields = [ContextKind::InvalidArg, ContextKind::InvalidSubcommand].map(words).concat();
+    let mut facts = Map::from_iter([("kind".into(), "argument".into()), ("fields".into(), fields.into())]);
+    facts.extend(words(ContextKind::InvalidValue).pop().map(|found| ("found".into(), found)));
+    facts.extend(words(ContextKind::PriorArg).pop().map(|other| ("others".into(), json!([other]))));
+    match error.source().and_then(|source| source.downcast_ref::<Wrong>()) {
+        Some(wrong) => facts.extend(found(&wrong.problem).as_object().cloned().unwrap_or_default()),
+        None => drop(facts.insert("problem".into(), problem_of(error.kind()).into())),
+    }
     let text = error.render().to_string();
     let text = text.strip_prefix("error: ").unwrap_or(&text).trim_end();
-    Some(line(facts.into_iter().map(|(name, value)| (name.to_owned(), value)).collect(), text, None))
+    Some(line(facts, text, None))
+}
+
+/// Returns the name of a problem, and what was found.
+fn found(problem: &Problem) -> Value {
+    let option = |field: &String| option_of(field).unwrap_or(field).to_owned();
+    let mut facts = match problem {
+        Problem::Unreadable { found }
+        | Problem::Duplicate(found)
+        | Problem::OtherKind(found)
+        | Problem::OtherVersion(found) => json!({ "found": found }),
+        Problem::Unknown { found, known } => json!({ "found": found, "known": known }),
+        Problem::OutOfRange { found, least, most } => json!({ "found": found, "least": least, "most": most }),
+        Problem::Value { name, found } => json!({ "name": name, "found": found }),
+        Problem::NoColumn { column } => json!({ "name": column }),
+        Problem::Lacks(name) => json!({ "name": name }),
+        Problem::Excludes { other } => json!({ "others": [option(other)] }),
+        Problem::Needs { others } => json!({ "others": others.iter().map(option).collect::<Vec<_>>() }),
+        Problem::SameFile { other } => json!({ "others": [other] }),
+        _ => json!({}),
+    };
+    facts["problem"] = problem.name().into();
+    facts
 }
 
 fn is_json() -> bool {

@@ -13,6 +13,7 @@ use heliotile::atlas::{Atlas, PARTS, archive_of, built, list};
 use heliotile::cases::View;
 use heliotile::output::{ViewerPage, packed};
 use heliotile::remote::{is_address, shown};
+use heliotile::requests::Problem;
 use heliotile::scene::{input, read_weather_as};
 use heliotile::tables::open_after;
 use heliotile::weather::far_apart;
@@ -50,7 +51,8 @@ pub fn run(args: &View, _: Provenance) -> Result<Outcome> {
                 None,
                 what,
                 "give the site.helio of a part, and with {with} that of the part after the change",
-            ));
+            )
+            .because(Problem::other_kind("atlas")));
         }
         let opened = open_after(&archive, place, Access::Read, &Terminal::default())?;
         page = page.with_option("after", server::AFTER);

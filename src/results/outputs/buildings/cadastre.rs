@@ -9,7 +9,7 @@ use std::path::Path;
 use super::face::{AreaSum, OnRoof, RoofFace, Usable};
 use super::place::{Envelope, building_of, face_of};
 use crate::outputs::kinds_and_sides::side;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::site::north::North;
 use heliotile_core::site::patch::Patch;
 use heliotile_core::site::receiver::Receiver;
@@ -116,18 +116,16 @@ impl Cadastre {
             targets.push(Target::Face(number));
         }
         let hint = "build with names in a column `building` or `object`, as `{command:receivers}` writes them";
-        homeless.check(file, "without a building or an object", hint)?;
-        without_area.check(
-            file,
-            "without an area",
-            "build with a column `area`, as `{command:receivers}` writes it",
-        )?;
+        let lacks = |name| move |error: Error| error.because(Problem::Lacks(name));
+        homeless.check(file, "without a building or an object", hint).map_err(lacks("building"))?;
+        let hint = "build with a column `area`, as `{command:receivers}` writes it";
+        without_area.check(file, "without an area", hint).map_err(lacks("area"))?;
         if faces.is_empty() {
             let found: Vec<String> =
                 kinds.iter().map(|(kind, count)| format!("{} on `{kind}`", counted(*count, "receiver"))).collect();
             let what = format!("has no receivers on roofs, only {}", found.join(", "));
             let hint = "cover roofs too, with {on} roof,wall or without {on}";
-            return Err(Error::input(file, None, what, hint));
+            return Err(Error::input(file, None, what, hint).because(Problem::Lacks("roofs")));
         }
         // Buildings were numbered by first appearance; results list them by name.
         let mut places = vec![0; numbers.len()];

@@ -15,7 +15,7 @@ use super::grids::Grids;
 use super::hours::LitHours;
 use crate::outputs::provenance::Provenance;
 use crate::outputs::tables::{npy_header, quoted};
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::replay::components::Component;
 use heliotile_core::replay::values::TileValues;
 use heliotile_core::site::receiver::Receiver;
@@ -48,7 +48,8 @@ impl ResultsFolder {
     pub fn check(path: &Path) -> Result<()> {
         let is_empty = |path: &Path| fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_none());
         if path.exists() && !is_empty(path) {
-            return Err(Error::input(path, None, "exists and is not empty", "give another folder, or remove this one"));
+            return Err(Error::input(path, None, "exists and is not empty", "give another folder, or remove this one")
+                .because(Problem::Exists));
         }
         let partial = partial_of(path);
         match partial.exists() {

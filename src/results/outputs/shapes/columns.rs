@@ -9,7 +9,7 @@ use crate::outputs::pictures::colours::ColourScale;
 use crate::outputs::quantities::{LightEnding, PlaceValues, Quantity, ValueSource};
 use crate::outputs::tables::bin_labels::BinLabels;
 use crate::outputs::tables::layout::{BinKind, By, Layout};
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::text::message;
 use heliotile_core::units::tilt_and_azimuth;
@@ -69,7 +69,8 @@ impl MapColumns {
                     "output",
                     format!("a map has one row for each place, and {count} columns for each component are too many"),
                     "give {every} total, year or month, or a time series for ParaView: a name that ends with .pvd",
-                ));
+                )
+                .because(Problem::excludes("every")));
             }
             (Some(Every::Month), _) => Wide::Sums,
             (_, 1) => Wide::One,

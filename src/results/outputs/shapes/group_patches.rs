@@ -8,7 +8,7 @@ use std::path::Path;
 use super::outline::{Piece, outlines};
 use super::row::{MapPolygon, MapRow};
 use glam::DVec3;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::site::patch::Patch;
 use heliotile_core::site::receiver::Receiver;
@@ -50,7 +50,7 @@ impl Shapeless {
         }
         let what = format!("{} receivers have neither a patch nor an area: {}", self.0.count, self.0.listed());
         let hint = "a map draws surfaces: build with receivers that cover a scene, or with a column `area`, or choose others with {receivers}";
-        Err(Error::input(file, None, what, hint))
+        Err(Error::input(file, None, what, hint).because(Problem::Lacks("area")))
     }
 }
 

@@ -21,7 +21,7 @@ use crate::outputs::sink::Sink;
 use crate::outputs::tables::bin_labels::BinLabels;
 use crate::outputs::tables::layout::Layout;
 use heliotile_core::archive::Archive;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::light::scratch::ScratchSpace;
 use heliotile_core::site::north::North;
 use heliotile_core::site::receiver::Receiver;
@@ -71,7 +71,7 @@ impl MapFormat {
             None => "GeoJSON needs latitudes, and the coordinate system of the scene is not known".into(),
         };
         let hint = "write .fgb, .glb or .vtu, or build the archive with {crs}, as in {crs} 28992";
-        Err(Error::argument(field, what, hint))
+        Err(Error::argument(field, what, hint).because(Problem::Lacks("place")))
     }
 
     /// Returns true if the format draws the scene around the map.

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use crate::judging::raw_weather::{AIR_C, WIND_M_S};
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::weather::air::Air;
 
 /// Index of the column in a data row.
@@ -31,7 +31,8 @@ pub fn read_air(path: &Path, line: usize, cells: &[&str]) -> Result<Air> {
         Ok(value) if value > 0.0 => Some(value),
         _ => {
             let what = format!("column `horizontal infrared radiation` holds `{text}`");
-            return Err(Error::input(path, line, what, "write W/m2 above 0, 9999 where missing"));
+            return Err(Error::input(path, line, what, "write W/m2 above 0, 9999 where missing")
+                .because(Problem::value("horizontal infrared radiation", text)));
         }
     };
     Ok(Air {

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use crate::judging::raw_weather::{RawRow, irradiance};
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::text::{Message, excerpt};
 use heliotile_core::weather::time::calendar::Date;
 use heliotile_core::weather::time::sun::Interval;
@@ -36,6 +36,7 @@ pub fn read_row(
     let cell = |i: usize| cells.get(i).copied().unwrap_or_default();
     let bad = |name: &str, text: &str, hint: Message| {
         Error::input(path, line, format!("column `{name}` holds `{}`", excerpt(text, 60)), hint)
+            .because(Problem::value(name, text))
     };
     let mut clock = [0_u32; 5];
     let names = ["year", "month", "day", "hour", "minute"];

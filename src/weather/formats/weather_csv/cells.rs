@@ -7,7 +7,7 @@ use std::path::Path;
 use csv::ByteRecord;
 
 use crate::judging::raw_weather::MISSING_99;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::text::excerpt;
 
 /// Largest number of W/m2 that stands for a missing value: -999, -9999 and -9900 are in use.
@@ -58,6 +58,7 @@ impl Cells<'_> {
     pub fn bad(&self, place: usize, name: &str, hint: &'static str) -> Error {
         let (name, text) = (excerpt(name, SHOWN), self.text(place));
         Error::input(self.path, self.line, format!("column `{name}` holds `{}`", excerpt(&text, SHOWN)), hint)
+            .because(Problem::value(name, text))
     }
 
     fn parse(&self, text: &str) -> Option<f64> {

@@ -7,7 +7,7 @@ use crate::formats::stamp_text::{
 use crate::formats::weather_csv::cells::{Cells, SHOWN};
 use crate::formats::weather_csv::columns::Columns;
 use crate::formats::weather_csv::stamp_columns::{StampColumns, StampPlace};
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::text::excerpt;
 use heliotile_core::weather::options::DateOrder;
 use heliotile_core::weather::time::calendar::Date;
@@ -174,5 +174,6 @@ impl MomentReader<'_> {
         );
         let hint = "state their order with {date_order} dmy or mdy, or write 2021-06-01";
         Error::input(cells.path, cells.line, what, hint)
+            .because(Problem::value(self.names.name(date), cells.text(date)))
     }
 }
