@@ -131,7 +131,7 @@ impl Archive {
                             number of bounces, bands, longwave, comfort, maps of what a receiver sees or EnergyPlus, \
                             and cannot be merged or compared block by block";
                 let hint = "use the archive that it was taken from, or build it again";
-                Err(Error::input(self.path(), None, what, hint).because(Problem::Lacks("hits and cells".into())))
+                Err(Error::input(self.path(), None, what, hint).because(Problem::Lacks("hits and cells")))
             }
             None => {
                 let what = format!("holds no block {}", format::block_name(kind, tile));
