@@ -107,7 +107,7 @@ pub struct Extract {
     /// Leave the scene's triangles out of the new archive.
     #[field(python = "with_scene")]
     pub no_scene: bool,
-    /// Leave out hits and cells, about two thirds of the bytes: the new archive answers for weather,
+    /// Leave out hits and cells, about two thirds of the bytes: the archive answers for weather,
     /// suns, skies and hours of sun, but not for changed reflectances, a number of bounces, bands,
     /// longwave, comfort, maps of what a receiver sees or EnergyPlus; `build` makes it whole again.
     pub replay_only: bool,

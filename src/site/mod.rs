@@ -445,7 +445,8 @@ impl Site {
         SunlightSite { archives: self.archives(), receivers, place: &self.place, folder }
     }
 
-    /// Writes an archive of the chosen receivers, or of all without hits and cells. An atlas of several archives is refused.
+    /// Writes an archive of the chosen receivers, or of all without hits and cells. An atlas of
+    /// several archives is refused.
     ///
     /// ```no_run
     /// # use heliotile::{ExtractContent, MemoryBudget, Selection, Silent, Site};

@@ -83,7 +83,7 @@ fn an_audit_refutes_false_claims_only() {
     assert!(alone.env("RAYON_NUM_THREADS", "1").status().expect("the program").success());
     assert_eq!(fs::read_to_string(folder.path("alone/audit.csv")).expect("a table"), table);
 
-    let bold = folder.run(&format!("archive audit bold.helio {inputs}"));
+    let bold = folder.run(&format!("archive audit bold.helio {inputs} --paths 8192").replace("--paths 512 ", ""));
     assert_eq!((bold.status.code(), stdout(&bold).contains("REFUTED")), (Some(1), true), "{}", stdout(&bold));
 
     folder.write(

@@ -424,9 +424,10 @@ fn golden_rows_stay() {
     }
 }
 
-/// An archive for replay only, taken from each of the three golden ones, is good for `verify --deep`
-/// and for the second reader and gives the same rows in less than 0.7 of the bytes. Four questions
-/// that need hits and cells end with an error that says so, and a build makes it whole again.
+/// An archive for replay only, taken from each of the three golden ones, is good for
+/// `verify --deep` and for the second reader and gives the same rows in less than 0.7 of the bytes.
+/// Four questions that need hits and cells end with an error that says so, and a build makes it
+/// whole again.
 #[test]
 fn archives_for_replay_only_replay_the_same() {
     let folder = crate::cli::Folder::new();
@@ -452,7 +453,7 @@ fn archives_for_replay_only_replay_the_same() {
             &format!("replay light.helio --conditions {} --bounces 1", conditions.display()),
             "energyplus factors light.helio -o factors.csv",
             "archive diff light.helio whole.helio",
-            "archive merge light.helio whole.helio -o both.helio",
+            "archive merge light.helio light.helio -o both.helio",
         ] {
             folder.fails(question, "input lacks light.helio hits and cells");
         }

@@ -45,8 +45,8 @@ pub struct ExtractContent {
     pub replay_only: bool,
 }
 
-/// Writes the archive of some receivers, or of all. With hits and cells it has the same bytes as a build of
-/// these receivers alone.
+/// Writes the archive of some receivers, or of all. With hits and cells it has the same bytes as a
+/// build of these receivers alone.
 pub fn extract(
     archive: &Archive,
     selection: Option<&Selection>,

@@ -182,10 +182,11 @@ fn named(names: &[String], thing: &str, of: &[NameOf], sites: &[OpenSite]) -> Re
         counted(missing.len() as u64, thing),
         listed(missing.iter().take(NAMED), missing.len())
     );
+    let unknown: Vec<&str> = missing.into_iter().collect();
     let hint = message!(
         "use the {thing} names in `receivers.csv`; {{surface}} is for surfaces, {{object}} for objects and buildings"
     );
-    Err(Error::input(first(sites), None, found, hint).because(Problem::unknown(&names.join(", "), [])))
+    Err(Error::input(first(sites), None, found, hint).because(Problem::unknown(&unknown.join(", "), [])))
 }
 
 /// Selects the receivers whose ids are in a file.

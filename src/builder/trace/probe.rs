@@ -20,7 +20,9 @@ use crate::trace::kernel::ray::Ray;
 use crate::trace::kernel::rays::Tracer;
 use crate::trace::refinement::Refinement;
 use crate::trace::surface::{CellSurfaces, POINTS, SurfacePoint, sample};
-use heliotile_core::hemisphere::{Frame, cosine_direction_of, mix, r2, ray_direction, texels_in_blocks, unit};
+use heliotile_core::hemisphere::{
+    Frame, cosine_direction_of, jitter, mix, r2, ray_direction, texel_direction, texels_in_blocks, unit,
+};
 use heliotile_core::light::radiosity::centres_f32;
 use heliotile_core::site::cells::{CellKey, size_of};
 
@@ -59,7 +61,16 @@ const PATTERNS: u64 = 64;
 impl Directions {
     /// Creates the directions of textures of side n.
     pub fn new(n: usize, weighting: PointWeights) -> Self {
-        let direction = |k: u64, t: usize| ray_direction(t, n, mix(0x7465_7865, k));
+        let direction = |pattern: u64, texel: usize| {
+            let seed = mix(0x7465_7865, pattern);
+            match weighting {
+                // Receivers look between the texels.
+                PointWeights::Open => ray_direction(texel, n, seed),
+                // Textures of bounce cells are small and summed: middles alone would miss small
+                // openings. The light in a sphere with a hole of a fifteenth was 5 % low.
+                PointWeights::Alike => texel_direction(texel % n, texel / n, n, jitter(seed, texel as u64)),
+            }
+        };
         let patterns = (0..PATTERNS).map(|k| (0..n * n).map(|t| direction(k, t)).collect()).collect();
         let place = |(column, row): (usize, usize)| BlockTexel {
             texel: row * n + column,

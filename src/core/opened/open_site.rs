@@ -143,7 +143,7 @@ impl<'a> OpenSite<'a> {
         self.facts.as_stored
     }
 
-    /// Returns true if the blocks hold no hits and cells, so that reflected light cannot be derived.
+    /// Returns true if the blocks hold no hits and cells: reflected light cannot be derived.
     pub fn is_replay_only(&self) -> bool {
         self.facts.replay_only
     }
