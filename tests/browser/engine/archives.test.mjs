@@ -53,7 +53,7 @@ test("5 things that are no whole archive of this format are refused with their k
 
 test("an archive without geometry gives each receiver a square of its area about its place, and its view of the sky", async () => {
   const { tasks, site, tiles } = await opened(readFileSync("tests/data/archives/v1.7-mirrors.helio"));
-  assert.deepEqual([site.sceneChunks, site.hasReference, site.formatVersion], [0, false, "1.6"]);
+  assert.deepEqual([site.sceneChunks, site.hasReference, site.formatVersion], [0, false, "1.7"]);
   let receivers = 0;
   for (const tile of tiles) {
     const { middle, normal, points, corners, owner, sky, reference } = tasks.overview(tile);
