@@ -85,10 +85,11 @@ fn sphere() -> String {
     text
 }
 
-/// In a sphere that light enters by a hole of a share f of it, the light reflected again is
-/// `rho (1 - f) / (1 - rho (1 - f))` of the light reflected once, in each band by its own
-/// reflectance: 0.5, 0.2 and 0.8 give 0.875, 0.230 and 2.942 (f = 0.067), within 2 %. The first
-/// reflection is rho f x DHI x the band's share within 4 %.
+/// In a sphere that light enters by a hole of a share f of it, the first reflection is
+/// rho f x DHI x the band's share, within 0.5 %, and the light reflected again is
+/// `rho (1 - f) / (1 - rho (1 - f))` of that, in each band by its own reflectance: 0.5, 0.2 and 0.8
+/// give 0.875, 0.230 and 2.942 (f = 0.067), within 6 %: a large cell sees the hole in some eight
+/// texels.
 #[test]
 fn a_furnace_reflects_by_band() {
     let folder =
@@ -98,8 +99,9 @@ fn a_furnace_reflects_by_band() {
     let hole = 0.5 * (1.0 - (PI / 6.0).cos());
     for (column, rho, share) in [("total", 0.5, 1.0), ("total_visible", 0.2, SKY[1]), ("total_nir", 0.8, SKY[2])] {
         let again = rho * (1.0 - hole) / (1.0 - rho * (1.0 - hole));
-        near(column, (all[column] - once[column]) / once[column], again, 0.02);
-        near(column, once[column], 1000.0 * rho * hole * share, 0.04);
+        let first = 1000.0 * rho * hole * share;
+        near(column, once[column], first, 0.005);
+        near(column, all[column] - once[column], first * again, 0.06);
     }
 }
 

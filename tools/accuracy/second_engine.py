@@ -85,7 +85,7 @@ def found(values):
     return mean, math.sqrt(sum((value - mean) ** 2 for value in values) / (len(values) - 1) / len(values))
 
 
-def by_mitsuba(at, receivers, suns, paths, draw):
+def mitsuba_irradiance(at, receivers, suns, paths, draw):
     """`{(receiver, condition, component): (W/m2, standard error)}`."""
     light = {}
     with tempfile.TemporaryDirectory() as scratch:
@@ -134,15 +134,15 @@ def main(args):
             build(args.program, at, f"{scratch}/site.helio", "draft")
             run(args.program, "archive", "audit", f"{scratch}/site.helio", *scene_of(at), "--conditions", f"{scratch}/suns.csv", "--sky", "uniform",
                 "--samples", str(args.receivers), "--paths", str(args.paths), "--seed", "3", "-o", f"{scratch}/audit")
-            ours = rows(f"{scratch}/audit/audit.csv")
-        chosen = {row["receiver"] for row in ours}
+            reference = rows(f"{scratch}/audit/audit.csv")
+        chosen = {row["receiver"] for row in reference}
         receivers = [row for row in rows(f"{at}/receivers.csv") if row["receiver"] in chosen]
-        theirs = by_mitsuba(at, receivers, suns, args.paths, draw)
+        mitsuba_light = mitsuba_irradiance(at, receivers, suns, args.paths, draw)
         for name in COMPONENTS:
-            pairs = [(float(row[f"{name}_reference_w_m2"]), float(row[f"{name}_standard_error_w_m2"]), *theirs[row["receiver"], row["condition"], name])
-                     for row in ours]
+            pairs = [(float(row[f"{name}_reference_w_m2"]), float(row[f"{name}_standard_error_w_m2"]), *mitsuba_light[row["receiver"], row["condition"], name])
+                     for row in reference]
             # Light of the sky is the same for all suns.
-            pairs = pairs if name.startswith("sun") else list({row["receiver"]: pair for row, pair in zip(ours, pairs)}.values())
+            pairs = pairs if name.startswith("sun") else list({row["receiver"]: pair for row, pair in zip(reference, pairs)}.values())
             z = [(a - b) / math.hypot(s, t, 1e-3) for a, s, b, t in pairs]
             of_mean, rms = sum(z) / math.sqrt(len(z)), math.sqrt(sum(v * v for v in z) / len(z))
             mean = sum(pair[2] for pair in pairs) / len(pairs)

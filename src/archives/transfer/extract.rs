@@ -56,32 +56,29 @@ pub fn extract(
     observer: &dyn Observer,
 ) -> Result<Extracted> {
     let Workspace { folder, memory } = workspace;
-    let site = OpenSite::open(archive)?;
+    let mut site = OpenSite::open(archive)?;
+    if content.replay_only {
+        site = site.for_replay_only();
+    }
     let kept = match selection {
         None => vec![true; site.receivers() as usize],
         Some(some) => some.resolve(std::slice::from_ref(&site), folder, memory.length(Use::ReceiverList))?,
     };
-    let replay_only = content.replay_only || site.is_replay_only();
     let budget = memory.length(Use::ExtractedKeys);
     let keys = || Keys::new(folder, budget);
 
     let mut output = ArchiveAssembly::create(path, &[archive], observer)?;
     let mut hits = keys();
-    output.tiles(
-        ArchiveReceivers::<TracedLayers>::chosen(&site, archive, &kept).map(|row| {
-            let row = row?;
-            if !replay_only {
-                let mut seen: Vec<_> = row.layers.reached().collect();
-                seen.sort_unstable();
-                seen.dedup();
-                seen.into_iter().try_for_each(|key| hits.push(key))?;
-            }
-            Ok(row)
-        }),
-        replay_only,
-    )?;
+    output.tiles(ArchiveReceivers::<TracedLayers>::chosen(&site, archive, &kept).map(|row| {
+        let row = row?;
+        let mut seen: Vec<_> = row.layers.reached().collect();
+        seen.sort_unstable();
+        seen.dedup();
+        seen.into_iter().try_for_each(|key| hits.push(key))?;
+        Ok(row)
+    }))?;
     let manifest = archive.manifest();
-    if !replay_only {
+    if !site.is_replay_only() {
         let (of_probes, of_bounces) = (CellSource::probes(&site)?, CellSource::bounces(&site)?);
         let (mut probes, mut bounces, mut seen) = (Marks::default(), Marks::default(), keys());
         probes.add(&of_probes, "hit", hits, |key| seen.push(key))?;
@@ -102,7 +99,7 @@ pub fn extract(
     output.name_index(workspace, ArchiveReceivers::<()>::chosen(&site, archive, &kept))?;
     output.copy_unknown(&[archive])?;
     let accuracy = manifest.accuracy.clone().map(Accuracy::without_tiles);
-    let written = output.finish(Manifest { accuracy, replay_only, ..manifest.clone() })?;
+    let written = output.finish(Manifest { accuracy, replay_only: site.is_replay_only(), ..manifest.clone() })?;
     let of = Whole {
         receivers: manifest.receivers.count,
         probes: manifest.counts.probes,

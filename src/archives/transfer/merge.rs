@@ -108,24 +108,21 @@ fn merge_receivers(
     conflicts: &mut Conflicts,
 ) -> Result<u64> {
     let mut shared = 0;
-    output.tiles(
-        both::<AllLayers>(a, b).map(|side| {
-            let side = side?;
-            for LayeredReceiver { receiver, .. } in side.items() {
-                let place = [receiver.position.to_array(), receiver.normal.to_array()].concat();
-                ids.push(receiver.id.as_bytes(), &place.into_iter().flat_map(f64::to_le_bytes).collect::<Vec<u8>>())?;
+    output.tiles(both::<AllLayers>(a, b).map(|side| {
+        let side = side?;
+        for LayeredReceiver { receiver, .. } in side.items() {
+            let place = [receiver.position.to_array(), receiver.normal.to_array()].concat();
+            ids.push(receiver.id.as_bytes(), &place.into_iter().flat_map(f64::to_le_bytes).collect::<Vec<u8>>())?;
+        }
+        if let Some((a, b)) = side.both() {
+            shared += 1;
+            let parts = Digests::new(a).differences(&Digests::new(b));
+            if !parts.is_empty() {
+                conflicts.add(|| format!("receiver {} ({})", a.receiver.id, parts.join(", ")));
             }
-            if let Some((a, b)) = side.both() {
-                shared += 1;
-                let parts = Digests::new(a).differences(&Digests::new(b));
-                if !parts.is_empty() {
-                    conflicts.add(|| format!("receiver {} ({})", a.receiver.id, parts.join(", ")));
-                }
-            }
-            Ok(side.first().map(|layers| layers.0.0))
-        }),
-        false,
-    )?;
+        }
+        Ok(side.first().map(|layers| layers.0.0))
+    }))?;
     id_conflicts(ids, conflicts)?;
     Ok(shared)
 }

@@ -73,15 +73,11 @@ impl<'a> ArchiveAssembly<'a> {
         Ok(ArchiveAssembly { observer, writer, receivers: 0, tiles: 0, cells: manifest::CellCounts::default() })
     }
 
-    /// Writes receivers, sky and, unless the archive is for replay only, hit layers.
-    pub fn tiles(
-        &mut self,
-        rows: impl Iterator<Item = Result<LayeredReceiver<TracedLayers>>>,
-        replay_only: bool,
-    ) -> Result<()> {
+    /// Writes receivers, sky and hit layers; no hits where rows have none, for replay only.
+    pub fn tiles(&mut self, rows: impl Iterator<Item = Result<LayeredReceiver<TracedLayers>>>) -> Result<()> {
         (self.receivers, self.tiles) = self.cut("receivers", rows, |number, rows| {
-            let hits = rows.iter().map(|row| row.layers.hits.as_slice()).collect::<Vec<_>>();
-            let hits = (!replay_only).then(|| HitTile::new(&hits));
+            let hits: Vec<_> = rows.iter().map(|row| row.layers.hits.as_slice()).collect();
+            let hits = hits.iter().any(|of| !of.is_empty()).then(|| HitTile::new(&hits));
             let sky: Vec<SkyTexture> = rows.iter().map(|row| row.layers.sky.clone()).collect();
             let table = tables::ReceiversTable::new(rows.iter().map(|row| (&row.receiver, row.views)));
             let extras: Vec<ReceiverExtras> = rows.iter().map(|row| row.layers.extras.clone()).collect();

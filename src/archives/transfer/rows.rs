@@ -204,7 +204,8 @@ impl<'a, L: Layers> ArchiveReceivers<'a, L> {
     fn refill(&mut self) -> Result<()> {
         if self.tiles.len() <= self.told_from {
             self.told_from = self.tiles.len().saturating_sub(AHEAD);
-            let kinds = [vec![format::RECEIVERS, format::PARTS], L::kinds()].concat();
+            let mut kinds = [vec![format::RECEIVERS, format::PARTS], L::kinds()].concat();
+            kinds.retain(|kind| !(self.site.is_replay_only() && format::REFLECTING.contains(kind)));
             self.site.expect(&kinds, self.tiles.as_slice().iter().take(2 * AHEAD).map(|(tile, _)| *tile));
         }
         let numbers: Vec<_> = self.tiles.by_ref().take(rayon::current_num_threads()).collect();

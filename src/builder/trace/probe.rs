@@ -66,8 +66,8 @@ impl Directions {
             match weighting {
                 // Receivers look between the texels.
                 PointWeights::Open => ray_direction(texel, n, seed),
-                // Textures of bounce cells are small and summed: middles alone would miss small
-                // openings. The light in a sphere with a hole of a fifteenth was 5 % low.
+                // Bits of bounce cells are summed: middles alone would miss small openings. In a
+                // court of white walls the RMSE at `standard` is 5.2 %, with middles 5.5 %.
                 PointWeights::Alike => texel_direction(texel % n, texel / n, n, jitter(seed, texel as u64)),
             }
         };
@@ -92,7 +92,7 @@ impl Directions {
         let (seed, mut owner) = (key.seed(), vec![0_u8; self.n * self.n]);
         let (sum, turn) = (worth.iter().sum::<f64>(), seed as usize % POINTS);
         for place in &self.places {
-            let first = (SPREAD[place.inside] + turn) % POINTS * worth.len() / POINTS;
+            let first = (SPREAD[place.inside] + turn) % POINTS % worth.len();
             // A point gives up texels in proportion to the weight it lacks; they go to all
             // points by weight. Salts are ASCII words ("keep", "give"): each purpose has draws of
             // its own, independent of the others.
@@ -428,8 +428,8 @@ pub fn lifted(position: DVec3, normal: DVec3, tracer: &Tracer) -> [f32; 3] {
 /// `[texel of a 4 x 4 block]`: the point that traces it, before all points are turned by the cell's
 /// seed. Each four neighbours, across blocks too, take points that lie far apart among [`r2`]'s
 /// first 16, so that a lookup between their texels averages over the whole cell. Found by annealing
-/// of the variance of the light of a half-covered cell; it is 0.75 of that of points in a random
-/// order.
+/// of the variance of the light of a cell that an edge crosses; a test compares it with points in
+/// random order.
 const SPREAD: [usize; POINTS] = [13, 0, 15, 14, 12, 6, 5, 11, 9, 3, 4, 10, 7, 1, 2, 8];
 
 /// Returns random bits of a block of 4 x 4 texels. Four pairs choose the texel of each 2 x 2 that
@@ -466,6 +466,42 @@ mod tests {
         let ground = [DVec3::new(-100.0, -100.0, 0.0), 200.0 * DVec3::X, 200.0 * DVec3::Y];
         let walls = [[low, x, z], [low + x, y, z], [low + x + y, -x, z], [low + y, -y, z]];
         matt(&[&[ground][..], &walls[..], &[[low + z, x, y], [low, y, x]][..]].concat())
+    }
+
+    /// Edges cross a cell at random, and a lookup averages the bits of four neighbouring texels. The
+    /// variance about the covered share of the cell is at most 0.8 of that of points in random
+    /// order, at each of the 16 places of a block.
+    #[test]
+    fn neighbouring_texels_take_points_far_apart() {
+        let number = |salt: u64, i: usize| unit(mix(salt, i as u64));
+        let covered = |edge: usize, at: DVec2| {
+            let (turn, through) =
+                (number(1, edge) * std::f64::consts::TAU, DVec2::new(number(2, edge), number(3, edge)));
+            DVec2::from_angle(turn).dot(at - through) < 0.0
+        };
+        let share = |edge: usize| {
+            let grid = (0..32 * 32).map(|i| DVec2::new(f64::from(i % 32) + 0.5, f64::from(i / 32) + 0.5) / 32.0);
+            grid.filter(|&at| covered(edge, at)).count() as f64 / 1024.0
+        };
+        let shares: Vec<f64> = (0..400).map(share).collect();
+        let variance = |order: &[usize; POINTS]| {
+            let lookup = |edge: usize, place: usize| {
+                let start = DVec2::new(number(4, edge), number(5, edge));
+                let around =
+                    [0, 1].map(|down| [0, 1].map(|right| (place / 4 + down) % 4 * 4 + (place % 4 + right) % 4));
+                let met = around.as_flattened().iter().filter(|&&texel| covered(edge, r2(order[texel] as f64, start)));
+                met.count() as f64 / 4.0
+            };
+            let squares = (0..400).flat_map(|edge| (0..POINTS).map(move |place| (edge, place)));
+            squares.map(|(edge, place)| (lookup(edge, place) - shares[edge]).powi(2)).sum::<f64>() / (400.0 * 16.0)
+        };
+        let random = |seed: u64| {
+            let mut order: [usize; POINTS] = std::array::from_fn(|i| i);
+            order.sort_by_key(|&i| mix(seed, i as u64));
+            variance(&order)
+        };
+        let by_chance = (10..30).map(random).sum::<f64>() / 20.0;
+        assert!(variance(&SPREAD) <= 0.8 * by_chance, "{} {by_chance}", variance(&SPREAD));
     }
 
     /// Part of a cell of ground, 8 m wide, lies below a floor 2 cm above it. With equal weights its

@@ -143,6 +143,13 @@ impl<'a> OpenSite<'a> {
         self.facts.as_stored
     }
 
+    /// Returns the site as an archive for replay only has it: its hits and cells are not read.
+    #[must_use]
+    pub fn for_replay_only(mut self) -> Self {
+        Arc::make_mut(&mut self.facts).replay_only = true;
+        self
+    }
+
     /// Returns true if the blocks hold no hits and cells: reflected light cannot be derived.
     pub fn is_replay_only(&self) -> bool {
         self.facts.replay_only

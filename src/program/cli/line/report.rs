@@ -22,24 +22,21 @@ pub fn report(error: Error) -> String {
     }
     let shown = |path: &Path| path.display().to_string();
     let about = match &error {
-        Error::Argument { argument, .. } => json!({ "fields": argument.split(", ").collect::<Vec<_>>() }),
-        Error::Input { file, line, .. } => json!({ "file": shown(file), "line": line }),
+        Error::Argument { argument, .. } => facts([("fields", json!(argument.split(", ").collect::<Vec<_>>()))]),
+        Error::Input { file, line, .. } => facts([("file", json!(shown(file))), ("line", json!(line))]),
         Error::Incomplete { partial: path, .. } | Error::Io { path, .. } | Error::SourceChanged { path, .. } => {
-            json!({ "file": shown(path) })
+            facts([("file", json!(shown(path)))])
         }
         Error::Corrupt { path, block, .. } | Error::Defect { path, block, .. } => {
-            json!({ "file": shown(path), "block": block })
+            facts([("file", json!(shown(path))), ("block", json!(block))])
         }
-        Error::Unsupported { found, .. } => json!({ "found": found }),
-        Error::Limit { value, max, .. } => json!({ "found": value, "most": max }),
-        _ => json!({}),
+        Error::Unsupported { found, .. } => facts([("found", json!(found))]),
+        Error::Limit { value, max, .. } => facts([("found", json!(value)), ("most", json!(max))]),
+        _ => Map::new(),
     };
-    let mut facts = Map::from_iter([("kind".to_owned(), error.kind().into())]);
-    let found = error.problem().map(found).unwrap_or_default();
-    for more in [about, found] {
-        facts.extend(more.as_object().cloned().unwrap_or_default());
-    }
-    line(facts, &format!("{error:#}"), error.to_string().split_once("\n  to fix: ").map(|(_, fix)| fix))
+    let mut all = facts([("kind", error.kind().into())]);
+    all.extend(about.into_iter().chain(error.problem().into_iter().flat_map(found)));
+    line(all, &format!("{error:#}"), error.to_string().split_once("\n  to fix: ").map(|(_, fix)| fix))
 }
 
 /// Returns the message of a command line that cannot be parsed, if JSON is asked for.
@@ -59,38 +56,44 @@ pub fn report_usage(error: &clap::Error) -> Option<String> {
             .collect::<Vec<Value>>()
     };
     let fields = [ContextKind::InvalidArg, ContextKind::InvalidSubcommand].map(words).concat();
-    let mut facts = Map::from_iter([("kind".into(), "argument".into()), ("fields".into(), fields.into())]);
-    facts.extend(words(ContextKind::InvalidValue).pop().map(|found| ("found".into(), found)));
-    facts.extend(words(ContextKind::PriorArg).pop().map(|other| ("others".into(), json!([other]))));
+    let mut all = facts([("kind", "argument".into()), ("fields", fields.into())]);
+    all.extend(words(ContextKind::InvalidValue).pop().map(|found| ("found".into(), found)));
+    all.extend(words(ContextKind::PriorArg).pop().map(|other| ("others".into(), json!([other]))));
     match error.source().and_then(|source| source.downcast_ref::<Wrong>()) {
-        Some(wrong) => facts.extend(found(&wrong.problem).as_object().cloned().unwrap_or_default()),
-        None => drop(facts.insert("problem".into(), problem_of(error.kind()).into())),
+        Some(wrong) => all.extend(found(&wrong.problem)),
+        None => all.extend(facts([("problem", problem_of(error.kind()).into())])),
     }
     let text = error.render().to_string();
     let text = text.strip_prefix("error: ").unwrap_or(&text).trim_end();
-    Some(line(facts, text, None))
+    Some(line(all, text, None))
 }
 
 /// Returns the name of a problem, and what was found.
-fn found(problem: &Problem) -> Value {
+fn found(problem: &Problem) -> Map<String, Value> {
     let option = |field: &String| option_of(field).unwrap_or(field).to_owned();
-    let mut facts = match problem {
+    let mut all = match problem {
         Problem::Unreadable { found }
         | Problem::Duplicate(found)
         | Problem::OtherKind(found)
-        | Problem::OtherVersion(found) => json!({ "found": found }),
-        Problem::Unknown { found, known } => json!({ "found": found, "known": known }),
-        Problem::OutOfRange { found, least, most } => json!({ "found": found, "least": least, "most": most }),
-        Problem::Value { name, found } => json!({ "name": name, "found": found }),
-        Problem::NoColumn { column } => json!({ "name": column }),
-        Problem::Lacks(name) => json!({ "name": name }),
-        Problem::Excludes { other } => json!({ "others": [option(other)] }),
-        Problem::Needs { others } => json!({ "others": others.iter().map(option).collect::<Vec<_>>() }),
-        Problem::SameFile { other } => json!({ "others": [other] }),
-        _ => json!({}),
+        | Problem::OtherVersion(found) => facts([("found", json!(found))]),
+        Problem::Unknown { found, known } => facts([("found", json!(found)), ("known", json!(known))]),
+        Problem::OutOfRange { found, least, most } => {
+            facts([("found", json!(found)), ("least", json!(least)), ("most", json!(most))])
+        }
+        Problem::Value { name, found } => facts([("name", json!(name)), ("found", json!(found))]),
+        Problem::NoColumn { column } => facts([("name", json!(column))]),
+        Problem::Lacks(name) => facts([("name", json!(name))]),
+        Problem::Excludes { other } => facts([("others", json!([option(other)]))]),
+        Problem::Needs { others } => facts([("others", json!(others.iter().map(option).collect::<Vec<_>>()))]),
+        Problem::SameFile { other } => facts([("others", json!([other]))]),
+        _ => Map::new(),
     };
-    facts["problem"] = problem.name().into();
-    facts
+    all.insert("problem".into(), problem.name().into());
+    all
+}
+
+fn facts<const N: usize>(of: [(&str, Value); N]) -> Map<String, Value> {
+    of.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
 }
 
 fn is_json() -> bool {
