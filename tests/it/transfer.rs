@@ -278,8 +278,8 @@ fn diff_names_what_changed() {
     assert!(told[1].starts_with("scene.content_hash "), "{told:?}");
     assert!(found.receivers.different.first.iter().all(|name| name.ends_with(" (response)")));
     let counts = (found.receivers.different.count, found.probes.different.count, found.bounces.different.count);
-    // The responses agree: some 20 receivers see sky or far ground only, lie in a block or change by
-    // less than a step, and keep their light.
+    // The responses agree: some 20 receivers see sky or far ground only, lie in a block or change
+    // by less than a step, and keep their light.
     let responses = |name: &str| -> Vec<Response> {
         let archive = Archive::open(&folder.path(name)).expect("an archive");
         (0..archive.tiles())

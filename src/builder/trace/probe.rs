@@ -468,9 +468,9 @@ mod tests {
         matt(&[&[ground][..], &walls[..], &[[low + z, x, y], [low, y, x]][..]].concat())
     }
 
-    /// Edges cross a cell at random, and a lookup averages the bits of four neighbouring texels. The
-    /// variance about the covered share of the cell is at most 0.8 of that of points in random
-    /// order, at each of the 16 places of a block.
+    /// Edges cross a cell at random, and a lookup averages the bits of four neighbouring texels.
+    /// The variance about the covered share of the cell is at most 0.8 of that of points in random
+    /// order, over the 16 places of a block.
     #[test]
     fn neighbouring_texels_take_points_far_apart() {
         let number = |salt: u64, i: usize| unit(mix(salt, i as u64));

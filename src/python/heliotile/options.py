@@ -904,7 +904,7 @@ class ExtractOptions(TypedDict, total=False):
     """False: Leave the scene's triangles out of the new archive."""
 
     replay_only: bool
-    """Leave out hits and cells, about two thirds of the bytes: the new archive answers for weather, suns, skies and hours of sun, but not for changed reflectances, a number of bounces, bands, longwave, comfort, maps of what a receiver sees or EnergyPlus; `build` makes it whole again."""
+    """Leave out hits and cells, about two thirds of the bytes: the archive answers for weather, suns, skies and hours of sun, but not for changed reflectances, a number of bounces, bands, longwave, comfort, maps of what a receiver sees or EnergyPlus; `build` makes it whole again."""
 
     memory: int | str | None
     """Memory to work in, such as 512MiB or 2GiB. Default: `4GiB`."""

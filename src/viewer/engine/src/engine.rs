@@ -1,8 +1,8 @@
 //! One engine: an archive, a weather file, and kept results. In: a request. Out: its answer.
 
 use heliotile_core::error::Result;
-use heliotile_sunlight::DayMinutes;
 use heliotile_core::weather::options::WeatherOptions;
+use heliotile_sunlight::DayMinutes;
 use serde_json::json;
 
 use crate::Answered;
