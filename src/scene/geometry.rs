@@ -2,7 +2,7 @@
 //! and an object. In: what a reader finds, one item after the other. Out: lists in which every
 //! index is in range and every coordinate finite.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::ops::Range;
 use std::path::Path;
 
@@ -43,6 +43,8 @@ pub(super) struct Geometry {
     pub object_notes: HashMap<u32, ObjectNote>,
     /// Materials that the file itself describes.
     pub stated: MaterialTable,
+    /// Names among `stated` whose optics are assumptions of the reader, not of the file.
+    pub assumed: BTreeSet<String>,
     /// Place on Earth of the coordinates, if the file states it.
     pub reference: Option<Reference>,
     /// True if the reader converted plane coordinates to metres from the unit of their system.

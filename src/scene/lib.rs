@@ -306,7 +306,8 @@ impl Scene {
                 content.raw(&[glass.panes()]);
             }
             if let Some(transmittance) = material.transmittance {
-                content.bytes(b"transmittance");
+                let name = if material.volume { "leaf_area_density" } else { "transmittance" };
+                content.bytes(name.as_bytes());
                 content.number(transmittance);
             }
             for (property, band, value) in material.bands.all() {

@@ -73,4 +73,5 @@ mod transfer;
 mod update;
 mod variants;
 mod view;
+mod volumes;
 mod weather;

@@ -79,13 +79,10 @@ impl SiteTracer<'_> {
     fn leaves_of_receiver(&self, view: &Viewpoint, canopies: &Canopies, passages: &[Passage]) -> Vec<SeenLeaf> {
         let n = self.settings.hit;
         let (texel_sr, direction) = (HEMISPHERE_SR / (n * n) as f64, view.hit_directions(n));
-        let mut leaves = SeenLeaves::default();
+        let mut leaves = SeenLeaves::new(canopies);
         for passage in passages {
             let share = view.normal.dot(direction(passage.place as usize)) * 2.0 / (n * n) as f64;
-            for leaf in canopies.leaves(passage) {
-                let level = self.cell_settings().level(leaf.distance_m, texel_sr.sqrt());
-                leaves.add(CellKey::leaf(leaf.point, leaf.normal, leaf.material, level), leaf, share);
-            }
+            leaves.add(passage, share, |leaf| leaf.cell(self.cell_settings().level(leaf.distance_m, texel_sr.sqrt())));
         }
         leaves.gathered(n * n / 2, view.seed())
     }

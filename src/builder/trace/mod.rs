@@ -18,6 +18,7 @@ pub(crate) mod surroundings;
 #[cfg(test)]
 mod test_scenes;
 pub mod viewpoint;
+pub(crate) mod volume;
 
 pub use crate::trace::kernel::ray::Ray;
 pub use kernel::rays::Tracer;
