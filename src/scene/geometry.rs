@@ -13,6 +13,7 @@ use crate::geocentric::LocalFrame;
 use crate::ground::model::ModelGround;
 use crate::materials::select::MaterialTable;
 use crate::placing::y_up::HeaderUp;
+use crate::trees::TreePoint;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::scene_object::ObjectNote;
 use heliotile_core::site::semantics::{FaceNote, SourceFace, SurfaceKind};
@@ -70,6 +71,8 @@ pub(super) struct Geometry {
     pub is_raised: bool,
     /// Footprints of buildings, which become faces once the ground below is known.
     pub footprints: Vec<Footprint>,
+    /// Trees, which get their hulls once the ground below is known.
+    pub trees: Vec<TreePoint>,
 }
 
 #[derive(Debug)]

@@ -80,6 +80,7 @@ mod test_files;
 #[cfg(test)]
 mod tests;
 mod text;
+mod trees;
 
 use std::path::Path;
 

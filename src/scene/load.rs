@@ -37,6 +37,7 @@ use crate::terrain::mosaic::{Tile, joined};
 use crate::terrain::raster::Raster;
 use crate::terrain::surface;
 use crate::terrain::surface::{RasterOptions, surface};
+use crate::trees::plant;
 use crate::{LoadReport, Scene, contested_warning, count_uses, rank_by_name};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::ground::MonthlyGround;
@@ -134,6 +135,9 @@ impl Outlined {
         for corner in geometry.footprints.iter_mut().flat_map(|footprint| &mut footprint.polygons).flatten().flatten() {
             *corner = part.place(corner.extend(0.0)).truncate();
         }
+        for tree in &mut geometry.trees {
+            tree.at = part.place(tree.at.extend(0.0)).truncate();
+        }
         Outlined { part, geometry }
     }
 
@@ -197,7 +201,7 @@ fn load(site: &SceneFiles, keep: bool) -> Result<(Scene, ObjectTriangles)> {
             Content::Polygons(geometry) => {
                 local_frame = local_frame.or(geometry.local_frame);
                 let part = part.in_frame(&site.frame);
-                match geometry.footprints.is_empty() {
+                match geometry.footprints.is_empty() && geometry.trees.is_empty() {
                     true => pile.add(&part, *geometry, &mut palette, Some(&|p| part.place(p)))?,
                     false => outlines.push(Outlined::new(part, *geometry)),
                 }
@@ -294,8 +298,17 @@ impl Pile {
             self.triangles.iter().filter(|triangle| palette.class(triangle.material) == (Class::Ground, false));
         let ground = ground.map(|triangle| triangle.corners.map(corner)).collect();
         let below = GroundBelow::new(terrain.iter().map(|tile| &tile.raster).collect(), ground);
-        let mut files: Vec<FootprintFile> = outlines.iter_mut().map(Outlined::file).collect();
-        self.report.notes.extend(raise(&mut files, &below)?);
+        let mut files: Vec<FootprintFile> =
+            outlines.iter_mut().filter(|of| !of.geometry.footprints.is_empty()).map(Outlined::file).collect();
+        if !files.is_empty() {
+            self.report.notes.extend(raise(&mut files, &below)?);
+        }
+        for Outlined { part, geometry } in &mut outlines {
+            for tree in std::mem::take(&mut geometry.trees) {
+                let ground_m = below.height(tree.at).unwrap_or(part.shift().z);
+                plant(&part.file, geometry, &tree, ground_m)?;
+            }
+        }
         for Outlined { part, geometry } in outlines {
             // Their coordinates are scene coordinates already.
             self.add(&part, geometry, palette, Some(&|p| p))?;

@@ -52,8 +52,14 @@ impl SiteTracer<'_> {
         let Some(canopies) = self.canopies else { return (Canopy::default(), 0) };
         let side = sky_side(self.settings.sky_base, self.settings.sky_fine);
         let block = sky.side() / side;
-        // A leaf cannot dim sky that is not seen.
-        let open = |&(column, row): &(usize, usize)| block > 64 || sky.count_block(block, column, row) > 0;
+        // A leaf cannot dim sky that is not seen; light at its edge is interpolated with the texels
+        // beside it.
+        let shown: Vec<bool> =
+            (0..side * side).map(|i| block > 64 || sky.count_block(block, i % side, i / side) > 0).collect();
+        let open = |&(column, row): &(usize, usize)| {
+            let near = |at: usize| at.saturating_sub(1)..(at + 2).min(side);
+            near(row).any(|row| near(column).any(|column| shown[row * side + column]))
+        };
         let texels = texels_in_blocks(side).filter(open).map(|(column, row)| row * side + column);
         let sky = view.sky_paths(side, texels, self.tracer);
         let (n, scatter) = (self.settings.hit, lit && self.leaves_scatter());

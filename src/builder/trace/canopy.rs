@@ -18,7 +18,7 @@ use crate::trace::probe::{Directions, ProbeTrace};
 use crate::trace::surroundings::{SeenCell, seen_from};
 use crate::trace::viewpoint::Viewpoint;
 use crate::trace::volume::{Draw, ONE_PLACE, Part, USUALLY_STOPPED, Volumes, touch};
-use heliotile_core::hemisphere::{bit, jitter, mix, texel_direction, unit};
+use heliotile_core::hemisphere::{bit, mix, ray_direction, unit};
 use heliotile_core::layers::canopy::{COUNTS, SeenLeaf, code_of, length_of};
 use heliotile_core::light::radiosity::{SidesOf, Surround, each_ray};
 use heliotile_core::site::cells::CellKey;
@@ -347,12 +347,13 @@ const BEHIND_ONE: f64 = 0.5;
 const LEAST_BEHIND: f64 = 1.0 / 16.0;
 
 impl Viewpoint {
-    /// Returns a jittered ray through each of some texels of an n x n world-frame texture. A ray
-    /// that would go behind the surface goes along it.
+    /// Returns a ray through each of some texels of an n x n world-frame texture, near its middle:
+    /// shares are interpolated between middles. A ray that would go behind the surface goes along
+    /// it.
     pub(crate) fn sky_paths(&self, n: usize, texels: impl Iterator<Item = usize>, tracer: &Tracer) -> Vec<Path> {
         let (origin, seed) = (self.origin(tracer), mix(self.seed(), 0x6c65_6166));
         let path = |texel: usize| {
-            let d = texel_direction(texel % n, texel / n, n, jitter(seed, texel as u64));
+            let d = ray_direction(texel, n, seed);
             let behind = self.normal.dot(d);
             let d = if behind > 0.0 { d } else { d - self.normal * (behind - 1e-4) };
             let ray = Ray { origin, direction: d.as_vec3().to_array() };

@@ -10,14 +10,13 @@ use crate::surface_city::outlines::GROUND;
 use crate::surface_city::standing::MIN_CROWN_M;
 use crate::surface_city::writer::{Corner, FaceOf, Writer};
 use crate::surface_rasters::SurfaceRasters;
+use crate::trees::TREES;
 use heliotile_core::error::Result;
 use heliotile_core::site::material::{BROADLEAF_DIFFUSE, Material};
 use heliotile_core::site::scene_object::ObjectNote;
 
 /// Name of the material of crowns.
 const NAME: &str = "canopy";
-/// Name of the group of crowns, which schedules of leaves refer to.
-const TREES: &str = "trees";
 
 /// Largest error of the top of a thinned crown, metres.
 const OFF_M: f32 = 0.25;
