@@ -97,7 +97,206 @@ fn sentences_are_told_apart() {
 /// Facts that stand in several places: a name, then files with the words around the number `{}`.
 type Fact = (&'static str, &'static [(&'static str, &'static str)]);
 
-const FACTS: [Fact; 0] = [];
+const FACTS: [Fact; 26] = [
+    (
+        "The Hague, 480 receivers: seconds of a build",
+        &[
+            ("README.md", "| The Hague, 480 receivers | {} s |"),
+            ("src/book/performance.md", "| The Hague, 34,913 triangles, 480 receivers | {} s |"),
+        ],
+    ),
+    (
+        "The Hague, 480 receivers: memory, MB",
+        &[
+            ("README.md", "| The Hague, 480 receivers | 2.7 s | {} MB |"),
+            ("src/book/performance.md", "480 receivers | 2.7 s | 3.9 MB | 0.4 s | {} MB |"),
+        ],
+    ),
+    (
+        "The Hague, 480 receivers: archive, MB",
+        &[
+            ("README.md", "| The Hague, 480 receivers | 2.7 s | 143 MB | {} MB |"),
+            ("src/book/performance.md", "480 receivers | 2.7 s | {} MB |"),
+        ],
+    ),
+    (
+        "The Hague, 480 receivers: seconds of a year of hours",
+        &[
+            ("README.md", "a year of hours for 480 receivers takes {} s"),
+            ("src/book/performance.md", "A year of hours of the 480 receivers takes {} s"),
+        ],
+    ),
+    (
+        "The Hague, 480 receivers: seconds of sums",
+        &[
+            ("README.md", "480 receivers takes 0.4 s, its sums {} s"),
+            ("src/book/performance.md", "of the 480 receivers takes 0.4 s, its sums {} s"),
+        ],
+    ),
+    (
+        "The Hague, 480 receivers: milliseconds of a condition",
+        &[
+            ("README.md", "its sums 0.15 s, one condition {} ms"),
+            ("src/book/performance.md", "its sums 0.15 s, one condition {} ms"),
+        ],
+    ),
+    (
+        "tile of The Hague: receivers at 2 m",
+        &[
+            ("README.md", "a tile of The Hague from its city model, {} receivers at 2 m"),
+            ("src/book/performance.md", "It holds {} receivers at 2 m on roofs and walls"),
+            ("src/book/viewing.md", "[tile of The Hague](performance.md#the-tile-of-the-hague), {} at 2 m"),
+            ("src/book/regions.md", "from the figures of the tile ({} receivers"),
+            ("src/book/building.md", "With receivers 2 m apart ({};"),
+        ],
+    ),
+    (
+        "tile of The Hague: seconds of a run",
+        &[
+            ("README.md", "receivers at 2 m | {} s |"),
+            ("src/book/performance.md", "It takes {} s on 2 cores (225 s"),
+            ("src/book/regions.md", "receivers on 844 buildings, {} s on 2 cores"),
+        ],
+    ),
+    (
+        "tile of The Hague: archive, MB",
+        &[
+            ("README.md", "| 122 s | 579 MB | {} MB |"),
+            ("src/book/performance.md", "The archive has {} MB."),
+            ("src/book/viewing.md", "68,882 at 2 m, {} MB, by 1 worker"),
+            ("src/book/regions.md", "122 s on 2 cores, {} MB)"),
+        ],
+    ),
+    (
+        "tile of The Hague: memory, MB",
+        &[
+            ("README.md", "receivers at 2 m | 122 s | {} MB |"),
+            ("src/book/performance.md", "all stages) and {} MB of memory"),
+        ],
+    ),
+    (
+        "tile of The Hague before: receivers at 2 m",
+        &[
+            ("src/book/performance.md", "smaller archives: {} receivers at 2 m"),
+            ("src/book/archives.md", "(performance.md#the-tile-of-the-hague) with {} receivers, 145.6 MB"),
+            ("src/book/remote.md", "(performance.md#the-tile-of-the-hague) with {} receivers, 145.6 MB"),
+            ("src/book/maps.md", "(performance.md#the-tile-of-the-hague), {} receivers"),
+            ("src/book/export.md", "(performance.md#the-tile-of-the-hague), {} receivers"),
+            ("src/book/buildings.md", "(performance.md#the-tile-of-the-hague), {} receivers"),
+        ],
+    ),
+    (
+        "tile of The Hague before: archive, MB",
+        &[
+            ("src/book/performance.md", "68,993 receivers at 2 m in {} MB"),
+            ("src/book/archives.md", "68,993 receivers, {} MB"),
+            ("src/book/remote.md", "68,993 receivers, {} MB"),
+        ],
+    ),
+    (
+        "tile of The Hague before: receivers at 4 m",
+        &[
+            ("src/book/performance.md", "145.6 MB, and {} instead of"),
+            ("src/book/pictures.md", "(performance.md#the-tile-of-the-hague), {} receivers"),
+            ("src/book/regions.md", "The [tile of The Hague](performance.md#the-tile-of-the-hague) ({} receivers at 4 m"),
+        ],
+    ),
+    (
+        "tile of The Hague: receivers at 4 m",
+        &[
+            ("src/book/performance.md", "145.6 MB, and 22,586 instead of {} at 4 m"),
+            ("src/book/building.md", "a tile of The Hague ({} receivers 4 m apart"),
+        ],
+    ),
+    (
+        "a million receivers: seconds of the build",
+        &[
+            ("README.md", "`--memory 256MiB` | {} s |"),
+            ("src/book/performance.md", "| build: 2,590 million rays | {} s |"),
+        ],
+    ),
+    (
+        "a million receivers: memory, MB",
+        &[
+            ("README.md", "`--memory 256MiB` | 411 s | {} MB |"),
+            ("src/book/performance.md", "| build: 2,590 million rays | 411 s | 314 s | {} MB |"),
+        ],
+    ),
+    (
+        "a million receivers: archive, MB",
+        &[
+            ("README.md", "| 411 s | 229 MB | {} MB |"),
+            ("src/book/performance.md", "| 411 s | 314 s | 229 MB | {} MB |"),
+        ],
+    ),
+    (
+        "closed forms: sky, percent",
+        &[
+            ("README.md", "sky within {};"),
+            ("src/book/validation.md", "sky that it hides / light that it reflects | 0.3 / 1 | {} /"),
+        ],
+    ),
+    (
+        "closed forms: light of the sky in a sphere, percent",
+        &[
+            ("README.md", "reflected light within {} under the sky"),
+            ("src/book/validation.md", "| 0.6 / 1.8; 0.75 / 2.6 | 0.51 / 1.4; {} / 2.4 |"),
+            ("src/book/numerics.md", "by up to {} % of the open sky under the sky"),
+        ],
+    ),
+    (
+        "closed forms: light of the sun in a sphere, percent",
+        &[
+            ("README.md", "under the sky, within {} under a sun"),
+            ("src/book/validation.md", "| 0.6 / 1.8; 0.75 / 2.6 | 0.51 / 1.4; 0.74 / {} |"),
+            ("src/book/numerics.md", "under the sky, and {} % under a sun"),
+        ],
+    ),
+    (
+        "closed forms: wells, percent",
+        &[
+            ("src/book/numerics.md", "percent of itself ({} % of the open sky in"),
+            ("src/book/validation.md", "all bounces, against a path tracer, `fine` | 1 | {} |"),
+        ],
+    ),
+    (
+        "pvlib's Perez sky: percent of a year",
+        &[
+            ("README.md", "`--sky perez1990`: within {} % of a year"),
+            ("src/book/query-and-replay.md", "Open surfaces agree with pvlib within {} % of a year"),
+            ("src/book/validation.md", "| Amsterdam (IWEC), 4,401 hours | {} % /"),
+        ],
+    ),
+    (
+        "pvlib's Perez sky: W/m2 of an hour",
+        &[
+            ("README.md", "within 0.004 % of a year, {} W/m2 RMS"),
+            ("src/book/validation.md", "4,401 hours | 0.004 % / {} W/m2 |"),
+        ],
+    ),
+    (
+        "Radiance: share of the CPU time, percent",
+        &[
+            ("README.md", "`standard`: {} % of the CPU time at a quarter of the error"),
+            ("src/book/radiance.md", "On the 480 receivers `standard` takes {} % of the CPU time"),
+        ],
+    ),
+    (
+        "format of archives",
+        &[
+            ("src/book/archives.md", "Release 0.1.0 writes and reads format {}. It refuses"),
+            ("src/book/contributing.md", "Release 0.1.0 fixes format {}. Until"),
+            ("schema/heliotile-1.md", "# heliotile archive, format {} Status"),
+        ],
+    ),
+    (
+        "minor of the format",
+        &[
+            ("schema/heliotile-1.md", "# heliotile archive, format 1.{} Status"),
+            ("schema/heliotile-1.md", "| 10 | 2 | minor | {} |"),
+        ],
+    ),
+];
 
 /// Numbers that README and the book state in several places agree: over 20 facts.
 #[test]
