@@ -171,6 +171,7 @@ pub struct Glare {
         without(
             "every",
             "lit_share",
+            "trees",
             "weather",
             "latitude",
             "longitude",

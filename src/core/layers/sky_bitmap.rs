@@ -77,6 +77,20 @@ impl SkyBitmap {
         bitmap
     }
 
+    /// Returns the part of the sky whose fine texels (column, row) are `wanted`.
+    pub fn within(&self, wanted: impl Fn(usize, usize) -> bool) -> SkyBitmap {
+        let mut dense = BitSquare::new(self.side() * self.block);
+        self.for_visible(|texel, _| {
+            let (column, row) = (texel % self.side() * self.block, texel / self.side() * self.block);
+            for (column, row) in (0..self.block * self.block).map(|i| (column + i % self.block, row + i / self.block)) {
+                if self.get(column, row) && wanted(column, row) {
+                    dense.set(column, row, true);
+                }
+            }
+        });
+        SkyBitmap::new(&dense, self.side())
+    }
+
     pub(super) fn closed(base: usize, block: usize) -> SkyBitmap {
         let (open, mixed) = (BitSquare::new(base), BitSquare::new(base));
         SkyBitmap { block, open, mixed, ranks: Vec::new(), blocks: Vec::new() }
