@@ -24,6 +24,8 @@ pub struct PvFolder {
     pub months: PathBuf,
     /// Tables of receivers on the ground, if there are any: a row each, and their months.
     pub ground: Option<[PathBuf; 2]>,
+    /// Tables of the energy of the array, if its power is known: a row for each string, and months.
+    pub energy: Option<[PathBuf; 2]>,
     pub hours: PathBuf,
     pub horizon_table: PathBuf,
     /// Folder with a list for each point.
@@ -35,8 +37,9 @@ pub struct PvFolder {
 }
 
 impl PvFolder {
-    /// Returns the files of a request; `has_ground` is true if there are receivers on the ground.
-    pub fn new(request: &PvRequest, has_ground: bool) -> Self {
+    /// Returns the files of a request; `has_ground` is true if there are receivers on the ground,
+    /// `has_power` if modules have a rated power.
+    pub fn new(request: &PvRequest, has_ground: bool, has_power: bool) -> Self {
         let folder = request.folder.clone();
         let file = |name: &str| folder.join(name);
         PvFolder {
@@ -44,6 +47,7 @@ impl PvFolder {
             points: file("points.csv"),
             months: file("months.csv"),
             ground: has_ground.then(|| ["ground.csv", "ground_months.csv"].map(file)),
+            energy: has_power.then(|| ["energy.csv", "energy_months.csv"].map(file)),
             hours: file(&format!("hourly.{}", request.format)),
             horizon_table: file("horizons.csv"),
             horizons: file("horizon"),
@@ -67,7 +71,7 @@ impl PvFolder {
     /// Returns the tables that are written.
     fn tables(&self, request: &PvRequest) -> Vec<&Path> {
         let mut tables: Vec<&Path> = vec![&self.points, &self.months];
-        tables.extend(self.ground.iter().flatten().map(PathBuf::as_path));
+        tables.extend(self.ground.iter().chain(&self.energy).flatten().map(PathBuf::as_path));
         if request.points.is_some() {
             tables.push(&self.horizon_table);
         }
@@ -87,6 +91,7 @@ impl PvFolder {
             request.points.as_deref(),
             request.rows.as_deref(),
             request.accuracy.error_weather.as_deref(),
+            request.energy.value.as_deref(),
         ];
         let tables = self.tables(request);
         let outputs = tables.iter().flat_map(|table| files_of(table)).chain([self.archive.clone()]);
