@@ -192,3 +192,34 @@ fn wrong_powers_and_values_are_refused() {
     }
     assert!(!folder.path("out/energy.csv").exists());
 }
+
+/// South of an endless wall 10 m high and 10 m away, the beam at a level point arrives above the
+/// wall's edge in every direction and not below, a uniform sky loses (1 - cos 45) / 2 within 0.5 %,
+/// and the horizons of all layouts are 45 degrees in the north, within 1.
+#[test]
+fn the_shade_of_a_wall_is_in_all_layouts() {
+    let folder = plain();
+    folder.write("cold.csv", &cold());
+    folder.write("wall.obj", "v -9000 10 0\nv 9000 10 0\nv 9000 10 10\nv -9000 10 10\nusemtl far\nf 1 2 3 4\n");
+    folder.write("points.csv", "point,x,y,z,tilt,azimuth\np,0,0,0.001,0,0\n");
+    let pv = format!("pv wall.obj -m far.toml {PLACE} -w cold.csv --points points.csv --no-hourly --shade -o out");
+    good(&folder, &pv);
+    let beam = table(&folder, "out/shade/beam.csv");
+    assert_eq!(beam.len(), 180 * 45);
+    for row in &beam {
+        let (azimuth, altitude) = (number(row, "azimuth_deg").to_radians(), number(row, "altitude_deg").to_radians());
+        // The wall's edge in the profile of a direction.
+        let edge = azimuth.cos().max(0.0).atan();
+        let share = number(row, "beam");
+        let off_deg = (altitude - edge).to_degrees();
+        assert!(off_deg.abs() < 0.5 || (share - f64::from(off_deg > 0.0)).abs() < 0.01, "{row:?}");
+    }
+    let text = |name: &str| std::fs::read_to_string(folder.path(&format!("out/shade/{name}"))).expect("a file");
+    let sam: serde_json::Value = serde_json::from_str(&text("sam.json")).expect("JSON");
+    let loss = sam["shading_diff"].as_f64().expect("a loss");
+    assert!((loss - 50.0 * (1.0 - 45.0_f64.to_radians().cos())).abs() < 0.5, "{loss}");
+    let list: Vec<f64> = text("userhorizon.txt").trim().split(',').map(|h| h.parse().expect("a height")).collect();
+    let pairs = text("horizon.txt");
+    let first: f64 = pairs.lines().next().and_then(|line| line.split_once('\t')?.1.parse().ok()).expect("a height");
+    assert!((list[0] - 45.0).abs() < 1.0 && (first - 45.0).abs() < 1.0 && list[24] == 0.0, "{list:?}");
+}

@@ -1,4 +1,5 @@
 """Energy of arrays on an open plain beside pvlib and SAM. In: the year of tests/data/weather. Out: a table; exit code 1 beyond a limit."""
+import json
 import os
 import subprocess
 import sys
@@ -8,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 from pvlib import iam, inverter, iotools, irradiance, location, modelchain, pvsystem, temperature
+from scipy.interpolate import RegularGridInterpolator
 
 warnings.filterwarnings("ignore")
 ROOT = Path(__file__).resolve().parents[2]
@@ -74,14 +76,15 @@ def by_functions(data, place, tilt, azimuth, thermal, hours):
     return inverter.pvwatts(dc, **INVERTER).sum() / 1000
 
 
-def by_sam(tilt, azimuth):
-    """PVWatts version 5 of SAM: yearly AC energy, light that passes the cover, cell temperatures."""
+def by_sam(tilt, azimuth, losses=None):
+    """PVWatts version 5 of SAM, with losses by shade: yearly AC energy, light that passes the cover, cell temperatures."""
     import PySAM.Pvwattsv5 as pvwatts
     model = pvwatts.new()
     model.SolarResource.solar_resource_file = str(WEATHER)
     model.SystemDesign.assign({
         "system_capacity": KWP, "module_type": 0, "dc_ac_ratio": RATIO, "inv_eff": 100 * EFFICIENCY, "losses": LOSSES, "array_type": 0,
         "tilt": tilt, "azimuth": azimuth, "gcr": 0.4})
+    model.Shading.assign(losses or {})
     model.execute()
     return model.Outputs.ac_annual, np.array(model.Outputs.tpoa), np.array(model.Outputs.tcell)
 
@@ -90,6 +93,48 @@ def chained(effective, cell):
     """Yearly AC energy of light that passes the cover and of cell temperatures."""
     dc = pvsystem.pvwatts_dc(effective, cell, 1000 * KWP, GAMMA) * (1 - LOSSES / 100)
     return np.nansum(inverter.pvwatts(dc, **INVERTER)) / 1000
+
+
+# A wall 12 m high and 20 m long, 10 m to the south; and with it a slab 3 m above the module, to the east, which hides high suns and no
+# low ones, as no horizon can.
+WALL = "v -10 -10 0\nv 10 -10 0\nv 10 -10 12\nv -10 -10 12\nusemtl far\nf 1 2 3 4\n"
+SLAB = WALL + "v 1 -6 4\nv 9 -6 4\nv 9 6 4\nv 1 6 4\nf 5 6 7 8\n"
+
+
+def shade():
+    """Files of shade, read by pvlib's suns and by SAM: what they leave of a year beside what `heliotile pv` finds."""
+    tilt, azimuth, bad = 35, 180, []
+    free_year, _, free_hours = run_pv("far.obj", "shade_open", tilt, azimuth)
+    direct = free_hours.poa_direct.to_numpy()
+    data, place = site()
+    sun = place.get_solarposition(data.index)
+    height, around = sun.apparent_elevation.to_numpy(), sun.azimuth.to_numpy()
+    free, _, _ = by_sam(tilt, azimuth)
+    for name, scene in (("wall", WALL), ("slab", SLAB)):
+        (WORK / f"{name}.obj").write_text(scene)
+        year, _, hours = run_pv(f"{name}.obj", f"shade_{name}", tilt, azimuth, "--shade")
+        folder, true = WORK / f"shade_{name}/shade", hours.poa_direct.to_numpy()
+        table = pd.read_csv(folder / "beam.csv").pivot(index="azimuth_deg", columns="altitude_deg", values="beam")
+        beam = RegularGridInterpolator(
+            (np.append(table.index, 360), table.columns), np.nan_to_num(np.vstack([table, table.iloc[:1]])))
+        share = beam(np.column_stack([around, np.clip(height, 1, 89)]))
+        listed = [float(one) for one in (folder / "userhorizon.txt").read_text().split(",")]
+        pairs = np.loadtxt(folder / "horizon.txt")
+        lists = {"userhorizon.txt": np.interp(around, np.arange(0, 361, 7.5), listed + listed[:1]),
+                 "horizon.txt": np.interp(around, pairs[:, 0], pairs[:, 1])}
+        print(f"{name}: the beam of a year, open {direct.sum() / 1000:.1f} kWh/m2, shaded {true.sum() / 1000:.1f}")
+        for file, part in {"beam.csv": share, **{file: height > edge for file, edge in lists.items()}}.items():
+            off = (direct * part).sum() / direct.sum() - true.sum() / direct.sum()
+            print(f"  pvlib's suns through {file}: {(direct * part).sum() / 1000:.1f} kWh/m2, {100 * off:+.2f} % of the open beam")
+            if abs(off) > 0.01 and (file == "beam.csv" or name == "wall"):
+                bad.append((name, file))
+        near, _, _ = by_sam(tilt, azimuth, json.loads((folder / "sam.json").read_text()))
+        left = year.ac_kwh[0] / free_year.ac_kwh[0]
+        print(f"  AC left: {100 * left:.2f} % here, {100 * near / free:.2f} % of SAM through sam.json")
+        if abs(near / free - left) > 0.015:
+            bad.append((name, "sam.json"))
+    if bad:
+        raise SystemExit(f"off by more than the limits: {bad}")
 
 
 def main():
@@ -129,4 +174,4 @@ def main():
 
 
 if __name__ == "__main__":
-    {"formulas": formulas}.get("".join(sys.argv[1:]), main)()
+    {"formulas": formulas, "shade": shade}.get("".join(sys.argv[1:]), main)()

@@ -1519,6 +1519,9 @@ class PvOptions(TypedDict, total=False):
     azimuths: str | Sequence[float] | None
     """Range of azimuths for `search`, degrees clockwise from true north, such as 90..270, or 300..60 through north, or one azimuth. Default: `0..360`."""
 
+    shade: bool
+    """Write the shade of the whole array into the folder shade/: the share of the sun's beam that arrives, by azimuth and altitude, and the layouts of SAM, PVGIS, Forecast.Solar and Open-Meteo Solar Forecast."""
+
     sky: str | None
     """Sky radiance distribution: perez (all-weather, 1993), perez1990 (tilted surfaces, as in EnergyPlus and pvlib), uniform (the same radiance everywhere), or cie:1 to cie:16 (the traditional overcast sky). Default: `perez`."""
 

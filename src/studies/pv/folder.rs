@@ -10,7 +10,7 @@ use crate::run::made_from::MadeFrom;
 use heliotile_core::archive::Archive;
 use heliotile_core::error::Result;
 use heliotile_files::writing::guards::guard_archive;
-use heliotile_results::outputs::pv::horizon;
+use heliotile_results::outputs::pv::{horizon, shade};
 use heliotile_results::outputs::tables::format::files_of;
 use heliotile_scene::site::SceneFiles;
 use heliotile_scene::site::guard_site;
@@ -30,6 +30,8 @@ pub struct PvFolder {
     pub horizon_table: PathBuf,
     /// Folder with a list for each point.
     pub horizons: PathBuf,
+    /// Folder with the shade of the array.
+    pub shade: PathBuf,
     pub search: PathBuf,
     pub best: PathBuf,
     /// Folder with a picture for each point.
@@ -51,6 +53,7 @@ impl PvFolder {
             hours: file(&format!("hourly.{}", request.format)),
             horizon_table: file("horizons.csv"),
             horizons: file("horizon"),
+            shade: file("shade"),
             search: file("search.csv"),
             best: file("best.csv"),
             turns: file("turns"),
@@ -120,6 +123,10 @@ impl PvFolder {
         for point in spots.list.iter().map(|spot| &spot.name) {
             names.extend(request.points.is_some().then(|| PvFolder::list_of(point)));
             names.extend(request.search.then(|| PvFolder::picture_of(point)));
+        }
+        if request.shade {
+            names.extend(files_of(Path::new(shade::TABLE)).iter().map(|name| format!("shade/{}", name.display())));
+            names.extend(shade::LAYOUTS.map(|name| format!("shade/{name}")));
         }
         let mut now = MadeFrom::new(archive, weather, &request.weather, names);
         now.claim(&self.folder, request.replace)

@@ -61,6 +61,11 @@ impl<'a> Light<'a> {
         self.resources.observer
     }
 
+    /// Returns the resources of a replay.
+    pub fn resources(&self) -> &Resources<'a> {
+        &self.resources
+    }
+
     /// Returns the number of sun positions in an interval.
     pub fn steps(&self, archive: &Archive) -> usize {
         self.weather.steps_of(archive.manifest().settings.steps())

@@ -12,6 +12,7 @@ mod open_plain;
 mod pvwatts;
 mod request;
 mod search;
+mod shade;
 mod spots;
 mod summary;
 mod tables;

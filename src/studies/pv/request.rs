@@ -58,6 +58,10 @@ pub struct PvRequest {
     /// 300..60 through north, or one azimuth.
     #[field(metavar = "FROM..TO", default = "0..360", parse = parse_azimuths)]
     pub azimuths_deg: [f64; 2],
+    /// Write the shade of the whole array into the folder shade/: the share of the sun's beam that
+    /// arrives, by azimuth and altitude, and the layouts of SAM, PVGIS, Forecast.Solar and
+    /// Open-Meteo Solar Forecast.
+    pub shade: bool,
     /// Model of the sky's radiance distribution.
     #[field(help = SkyModel::described, default = "perez")]
     pub sky: SkyModel,

@@ -10,6 +10,7 @@ use super::ground::GroundSpot;
 use super::light::Light;
 use super::open_plain::OpenPlain;
 use super::request::PvRequest;
+use super::shade::map_of;
 use super::spots::{Spot, SpotSide, Spots};
 use heliotile_archives::transfer::ArchiveReceivers;
 use heliotile_builder::siting::Siting;
@@ -81,6 +82,11 @@ impl Results<'_, '_> {
         if let Some([places, by_month]) = &files.ground {
             write_ground(places, &ground, about)?;
             write_ground_months(by_month, &ground, &months, about)?;
+        }
+        if self.request.shade {
+            let map = map_of(&self.spots.list, self.archive, self.light.resources())?;
+            fs::create_dir_all(&files.shade).map_err(Error::io(&files.shade, "create"))?;
+            map.write(&files.shade, about)?;
         }
         let energy = self.write_hours(plant)?;
         if let (Some(energy), Some([strings, by_month])) = (&energy, &files.energy) {
