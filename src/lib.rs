@@ -110,7 +110,7 @@ pub use heliotile_scene::request::SceneRequest;
 pub use heliotile_scene::site::SceneFiles;
 pub use heliotile_scene::{ModelVersion, Scene, SurfaceRasters};
 pub use heliotile_studies::covering::{CoverRequest, Density};
-pub use heliotile_studies::pv::{PvDone, PvRequest};
+pub use heliotile_studies::pv::{EnergyRequest, Mounting, Price, PvDone, PvRequest};
 pub use heliotile_studies::site_build::check_output;
 pub use heliotile_studies::{
     AuditReport, AuditRequest, ComfortSiteRequest, DaySpan, FolderOption, GlareChoice, ReceiverSource, RepairRequest,

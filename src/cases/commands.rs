@@ -91,7 +91,7 @@ commands![
         "pv",
         Pv,
         Start,
-        "Compute hourly irradiance on both sides of solar modules, with shading losses, horizons and the best tilt and azimuth"
+        "Compute hourly irradiance on both sides of solar modules, with shading losses, horizons, the best tilt and azimuth, energy and money"
     ),
     (
         "energyplus",

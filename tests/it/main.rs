@@ -48,6 +48,7 @@ mod place;
 mod plan;
 mod previews;
 mod pv;
+mod pv_energy;
 mod pv_ground;
 mod reader;
 mod reflectance;

@@ -1486,6 +1486,30 @@ class PvOptions(TypedDict, total=False):
     bifaciality: float | None
     """Bifaciality, the share of the light on the rear that is added to that on the front, for poa_global and the gain. Default: `0.8`."""
 
+    kwp: float | None
+    """Rated power of the array, kW at standard test conditions, in equal shares of all points or modules. A column `kwp` of points or a key `kwp` of rows states that of each instead. A column or key `string` adds sums of each string."""
+
+    temperature_coefficient: str | float | None
+    """Temperature coefficient of power, percent per K: -0.35 of today's silicon modules, -0.47 of those of 2014. Default: `-0.35`."""
+
+    mounting: Literal["open", "roof"] | None
+    """Mounting, which decides how much warmer than the air cells are. Default: `open`."""
+
+    losses: str | float | None
+    """System losses: dirt, mismatch, wiring, age. The 14 % of PVWatts contain 3 % for shade, which is traced here; without it they are 11.4 %. Default: `14%`."""
+
+    inverter_efficiency: float | None
+    """Nominal efficiency of the inverter. Default: `0.96`."""
+
+    dc_ac_ratio: float | None
+    """Ratio of the array's rated power to the inverter's. Default: `1.1`."""
+
+    price: str | None
+    """Price of a kWh, in any currency, such as 0.30EUR."""
+
+    value: Place | None
+    """Values by the hour, CSV: a row for each row of the weather file, or 12 rows, one a month. A column `X_per_kwh` (a price, carbon) gives the sum of X, a column `load_kw` the energy that the load takes at once. A column `time` is compared with the weather file."""
+
     search: bool
     """Find the best tilt and azimuth of every point: best.csv, search.csv and a picture of each; points without angles get the best ones."""
 
@@ -1494,6 +1518,9 @@ class PvOptions(TypedDict, total=False):
 
     azimuths: str | Sequence[float] | None
     """Range of azimuths for `search`, degrees clockwise from true north, such as 90..270, or 300..60 through north, or one azimuth. Default: `0..360`."""
+
+    shade: bool
+    """Write the shade of the whole array into the folder shade/: the share of the sun's beam that arrives, by azimuth and altitude, and the layouts of SAM, PVGIS, Forecast.Solar and Open-Meteo Solar Forecast."""
 
     sky: str | None
     """Sky radiance distribution: perez (all-weather, 1993), perez1990 (tilted surfaces, as in EnergyPlus and pvlib), uniform (the same radiance everywhere), or cie:1 to cie:16 (the traditional overcast sky). Default: `perez`."""
