@@ -39,6 +39,7 @@ pages! {
     pv = "pv.md",
     python = "python.md",
     viewing = "viewing.md",
+    shading = "shading.md",
     buildings = "buildings.md",
     export = "export.md",
     regions = "regions.md",
