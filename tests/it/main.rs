@@ -59,6 +59,7 @@ mod replay;
 mod response;
 mod results;
 mod scenes;
+mod shading;
 mod shared;
 mod site;
 mod sky_components;
