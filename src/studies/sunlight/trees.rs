@@ -4,7 +4,7 @@
 use heliotile_core::layers::canopy::{Canopy, Powers, SKY, sky_side};
 use heliotile_core::layers::sky_bitmap::SkyBitmap;
 use heliotile_core::named::NamedValues;
-use heliotile_core::opened::settings::SiteSettings;
+use heliotile_core::opened::SiteSettings;
 
 /// What canopies (trees, screens) do to hours of sun.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
