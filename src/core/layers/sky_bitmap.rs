@@ -318,7 +318,7 @@ mod tests {
             let mut dense = BitSquare::new(fine);
             for t in 0..fine * fine {
                 let kind = crate::hemisphere::mix(5, (t / fine / block * base + t % fine / block) as u64) % 3;
-                let one = kind == 1 || kind == 2 && crate::hemisphere::mix(7, t as u64) % 2 == 0;
+                let one = kind == 1 || kind == 2 && crate::hemisphere::mix(7, t as u64).is_multiple_of(2);
                 dense.set(t % fine, t / fine, one);
             }
             let sky = SkyBitmap::new(&dense, base);
