@@ -868,6 +868,9 @@ class SunlightOptions(TypedDict, total=False):
     lit_share: float | None
     """Share of a row's area that must be lit for a moment to count, without `rules` [default: any part of it] Default: `0`."""
 
+    trees: Literal["ignore", "opaque", "half"] | None
+    """What trees and screens (materials with a transmittance) do to the sun. Default: `ignore`."""
+
     exact: bool
     """Refine moments at which an edge within a texel decides, by casting rays at the scene in the archive."""
 
