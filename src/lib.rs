@@ -99,8 +99,8 @@ pub use heliotile_results::{
     BandChoice, BandList, BinLabels, BuildingsRequest, By, ClassShare, ComfortChoice, ComfortColumn, ComfortRequest,
     CompareRequest, ConditionSource, Every, FactorRows, FactorsRequest, LightRequest, LightSource, OutputRequest,
     PageRequest, PartReceivers, PlaceOn, PlacesRequest, Posture, Provenance, QueryRequest, ReceiverChoice,
-    ReplayRequest, Resources, SideHours, SkyChoice, SkyFiles, SunOnPerson, SurfaceTemperatures, Tile, TileSink,
-    WindChoice,
+    ReplayRequest, Resources, ShadingRequest, ShadingSummary, SideHours, SkyChoice, SkyFiles, SunOnPerson,
+    SurfaceTemperatures, Takers, Tile, TileSink, WindChoice,
 };
 pub use heliotile_scene::edit::{ObjectHeight, ObjectMaterial, ObjectMove, SceneEdits};
 pub use heliotile_scene::footprint_options::{FootprintOptions, HeightAbove, HeightSource};
@@ -110,12 +110,12 @@ pub use heliotile_scene::request::SceneRequest;
 pub use heliotile_scene::site::SceneFiles;
 pub use heliotile_scene::{ModelVersion, Scene, SurfaceRasters};
 pub use heliotile_studies::covering::{CoverRequest, Density};
-pub use heliotile_studies::pv::{PvDone, PvRequest};
+pub use heliotile_studies::pv::{EnergyRequest, Mounting, Price, PvDone, PvRequest};
 pub use heliotile_studies::site_build::check_output;
 pub use heliotile_studies::{
     AuditReport, AuditRequest, ComfortSiteRequest, DaySpan, FolderOption, GlareChoice, ReceiverSource, RepairRequest,
     RunDone, RunMap, RunRequest, SiteArchiveRequest, SiteBuild, SiteFolder, SunlightDone, SunlightRequest,
-    TradeoffRequest, UpdateDone, UpdateRequest, Verdict, shipped_rules,
+    TradeoffRequest, TreesBeforeSun, UpdateDone, UpdateRequest, Verdict, shipped_rules,
 };
 pub use heliotile_weather::temperatures::Temperature;
 pub use site::{ReceiverTotal, Site, SiteOptions, SiteReplay};

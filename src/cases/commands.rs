@@ -91,7 +91,7 @@ commands![
         "pv",
         Pv,
         Start,
-        "Compute hourly irradiance on both sides of solar modules, with shading losses, horizons and the best tilt and azimuth"
+        "Compute hourly irradiance on both sides of solar modules, with shading losses, horizons, the best tilt and azimuth, energy and money"
     ),
     (
         "energyplus",
@@ -135,6 +135,12 @@ commands![
         Glare,
         Ask,
         "Find when mirrors and glass facades reflect the sun to receivers, and which pane does, and check rules on glare"
+    ),
+    (
+        "shading",
+        Shading,
+        Ask,
+        "Compute who takes the sun: the direct light of sun and sky that each building, tree and terrain takes from receivers, and the light that it reflects to them"
     ),
     (
         "comfort",
@@ -229,7 +235,7 @@ mod tests {
         R::rows().iter().filter(|row| is_odd(row)).map(|row| format!("{command} {}", row.name)).collect()
     }
 
-    /// Defaults that faces show are those of the requests: of all fields of 27 commands none
+    /// Defaults that faces show are those of the requests: of all fields of 28 commands none
     /// differs.
     #[test]
     fn stated_defaults_are_those_of_requests() {

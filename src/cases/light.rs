@@ -13,7 +13,7 @@ use heliotile_requests::{DefaultRequest, Request};
 use heliotile_results::outputs::tables::format::table_help;
 use heliotile_results::{
     BuildingsRequest, ComfortRequest, CompareRequest, ConditionSource, Every, FactorsRequest, LightRequest,
-    LightSource, OutputRequest, PlacesRequest, QueryRequest, ReplayRequest, Resources,
+    LightSource, OutputRequest, PlacesRequest, QueryRequest, ReplayRequest, Resources, ShadingRequest,
 };
 use heliotile_studies::run::folder_beside;
 use heliotile_studies::{ComfortSiteRequest, GlareChoice, SunlightRequest};
@@ -171,6 +171,7 @@ pub struct Glare {
         without(
             "every",
             "lit_share",
+            "trees",
             "weather",
             "latitude",
             "longitude",
@@ -229,6 +230,23 @@ pub struct Places {
     pub request: PlacesRequest,
     /// Weather of a year, and the light that counts.
     #[field(flatten, without("columns", "bands", "every", "stamp", "year", "temperature"))]
+    pub replay: ReplayRequest,
+}
+
+/// Request of `shading`.
+#[derive(Clone, Debug, Request, DefaultRequest)]
+pub struct Shading {
+    /// Archive that is asked.
+    #[field(flatten)]
+    pub site: SiteRequest,
+    /// Rows, and the table to write.
+    #[field(flatten)]
+    pub request: ShadingRequest,
+    /// Receivers that count.
+    #[field(flatten)]
+    pub receivers: SelectionRequest,
+    /// Weather, and the light that counts.
+    #[field(flatten, without("columns", "bands", "temperature"), defaults("every", "year"))]
     pub replay: ReplayRequest,
 }
 

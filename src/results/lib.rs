@@ -14,6 +14,7 @@
 //! | `files` | [`OutputRequest`]: tables, maps, charts, city models and Honeybee folders as sinks |
 //! | `compare` | [`CompareRequest`]: the light that a change of a site adds or takes |
 //! | `buildings`, `places`, `factors` | cadastre, places of modules, factors by sun position |
+//! | `shading` | light that each object takes from receivers and reflects to them |
 //! | `sky_components` | light of an overcast sky in percent of open ground |
 //! | `comfort` | thermal comfort of people: [`ComfortRequest`] |
 //! | `viewer` | [`PageRequest`], [`open_after`]: HTML file with one archive, or two compared |
@@ -42,6 +43,7 @@ pub mod receivers;
 pub mod request;
 pub mod resources;
 pub mod series;
+pub mod shading;
 pub mod sky_components;
 pub mod stream;
 pub mod viewer;
@@ -67,6 +69,7 @@ pub use receivers::{PartReceivers, ReceiverChoice, ReceiverSet, TileReceivers};
 pub use request::{ConditionSource, LightRequest, QueryRequest, ReplayRequest};
 pub use resources::Resources;
 pub use series::Series;
+pub use shading::{ShadingRequest, ShadingSummary, Takers};
 pub use sky_components::SkyComponents;
 pub use stream::{CoarseSinks, Sinks, Tile, TileFn, TileSink, TileStream};
 pub use viewer::{PageRequest, open_after};

@@ -16,6 +16,7 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::observer::{Observer, Silent, Stage};
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::bands::BandPass;
+use heliotile_core::replay::by_object::{DIRECT, GIVEN, ObjectReplay};
 use heliotile_core::replay::components::ComponentSet;
 use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::replay::values::TileValues;
@@ -208,6 +209,29 @@ impl<'a> TileStream<'a> {
         self.replay_beside(archive, site, components, &|_| false)
     }
 
+    fn settings(&self, archive: &Archive, components: ComponentSet) -> Result<ReplaySettings<'_>> {
+        let TileStream { light, ref resources, .. } = *self;
+        Ok(ReplaySettings {
+            sky: light.sky.model(),
+            patches: light.patches_of(archive),
+            paths: light.light_paths()?,
+            components,
+            memory: resources.memory,
+            storage: resources.storage,
+        })
+    }
+
+    /// Returns the replay of the series by object on one of the archives.
+    pub fn by_object<'b>(&self, part: &PartReceivers<'b>) -> Result<ObjectReplay<'b>> {
+        let TileStream { series, ref resources, .. } = *self;
+        let components = ComponentSet::new(&[DIRECT.as_slice(), &GIVEN].concat());
+        let settings = self.settings(part.archive, components)?;
+        let elsewhere = |name: &str| self.receivers.parts().iter().any(|part| part.changeable().knows(name));
+        let schedules = series.schedules(part.archive, &part.site, &elsewhere, resources)?;
+        let builder = Replay::builder(&part.site, &series.conditions, settings).summed(&series.bins);
+        builder.scheduled(&schedules).build_by_object()
+    }
+
     /// Returns the replay on one of several archives; `elsewhere` says whether another of them
     /// knows a name.
     fn replay_beside<'b>(
@@ -218,14 +242,7 @@ impl<'a> TileStream<'a> {
         elsewhere: &dyn Fn(&str) -> bool,
     ) -> Result<Replay<'b>> {
         let TileStream { light, series, ref resources, .. } = *self;
-        let settings = ReplaySettings {
-            sky: light.sky.model(),
-            patches: light.patches_of(archive),
-            paths: light.light_paths()?,
-            components,
-            memory: resources.memory,
-            storage: resources.storage,
-        };
+        let settings = self.settings(archive, components)?;
         let schedules = series.schedules(archive, site, elsewhere, resources)?;
         let mut bands = BandPass::all(site, components, &light.bands.own);
         // The observer already got all messages about schedules with those of all light.

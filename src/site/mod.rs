@@ -25,7 +25,7 @@ use heliotile_files::writing::guards::{guard_archive, guard_output, is_archive};
 use heliotile_results::{
     Archives, BeforeSide, BuildingsRequest, BuildingsSummary, ComfortDone, ComfortRequest, CompareRequest,
     CompareSummary, Every, FactorsRequest, LightSource, OutputRequest, PlacesRequest, PlacesSummary, Provenance,
-    QueryRequest, ReceiverChoice, ReceiverSet, ReplayRequest, Resources, Sources, Tile,
+    QueryRequest, ReceiverChoice, ReceiverSet, ReplayRequest, Resources, ShadingRequest, ShadingSummary, Sources, Tile,
 };
 use heliotile_studies::{
     AuditReport, AuditRequest, SunlightDone, SunlightRequest, SunlightSite, UpdateDone, UpdateRequest,
@@ -372,6 +372,28 @@ impl Site {
     ) -> Result<PlacesSummary> {
         request.check(&self.inputs(&year.files().collect::<Vec<_>>()))?;
         let under = year.clone().into();
+        let replay = self.under(&under, &request.output, resources)?;
+        request.write(&replay.stream(), self.archives(), &self.place)
+    }
+
+    /// Writes the light that each object takes from the receivers and reflects to them.
+    ///
+    /// ```no_run
+    /// # use heliotile::{Every, ReplayRequest, Resources, ShadingRequest, Site};
+    /// let site = Site::open("site.helio")?;
+    /// let months = ReplayRequest { every: Every::Month, ..ReplayRequest::new("rotterdam.epw") };
+    /// let table = ShadingRequest { output: "takers.csv".into(), ..ShadingRequest::default() };
+    /// println!("{} objects", site.shading(&months, &table, &Resources::usual())?.takers);
+    /// # Ok::<(), heliotile::Error>(())
+    /// ```
+    pub fn shading(
+        &self,
+        under: &ReplayRequest,
+        request: &ShadingRequest,
+        resources: &Resources,
+    ) -> Result<ShadingSummary> {
+        request.check(&self.inputs(&under.files().collect::<Vec<_>>()))?;
+        let under = under.clone().into();
         let replay = self.under(&under, &request.output, resources)?;
         request.write(&replay.stream(), self.archives(), &self.place)
     }

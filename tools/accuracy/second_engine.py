@@ -7,7 +7,8 @@ FOLDER holds sites as `sites.py` and `draw.py` write them, without mirrors and l
 same suns (discs of 0.267 degrees) and from a uniform sky, by component, with the standard error of its own noise. A difference over both errors is z.
 
 For each component: number of values, mean of z times the root of their number (z of the mean), RMS of z, largest |z|, difference of the means in percent.
-z of the mean would be beyond 4 by chance in 1 of 16,000 such tests, and its RMS, which a few heavy tails raise, is limited to 1.5: the exit code is 1 beyond.
+z of the mean would be beyond 4 by chance in 1 of 16,000 such tests. The RMS of n values has a deviation of 0.7 / sqrt(n); errors of few batches raise it
+to about 1.2, so its limit is 1.2 + 3 / sqrt(n). The exit code is 1 beyond either.
 """
 import argparse
 import csv
@@ -147,7 +148,7 @@ def main(args):
             of_mean, rms = sum(z) / math.sqrt(len(z)), math.sqrt(sum(v * v for v in z) / len(z))
             mean = sum(pair[2] for pair in pairs) / len(pairs)
             off = sum(pair[0] - pair[2] for pair in pairs) / len(pairs) / mean * 100 if mean else 0.0
-            failed |= abs(of_mean) > 4 or rms > 1.5
+            failed |= abs(of_mean) > 4 or rms > 1.2 + 3 / math.sqrt(len(z))
             print(f"{site:<14}{name:<16}{len(z):>7}{mean:>11.2f}{of_mean:>+11.2f}{rms:>7.2f}{max(map(abs, z)):>9.2f}{off:>+14.3f}", flush=True)
     sys.exit(failed)
 

@@ -139,6 +139,32 @@ impl Canopy {
         self.leaves.iter().map(|leaf| leaf.cell)
     }
 
+    /// Returns the leaves that are seen.
+    pub fn seen_leaves(&self) -> &[SeenLeaf] {
+        &self.leaves
+    }
+
+    /// Returns the materials that rays of a list cross, ascending.
+    pub fn crossed(&self, list: usize) -> impl Iterator<Item = u16> + '_ {
+        self.materials.iter().filter(move |(_, lists)| lists[list].bits > 0).map(|(material, _)| *material)
+    }
+
+    /// Returns the crossings of one material alone, without leaves.
+    pub fn only(&self, material: u16) -> Canopy {
+        let materials = self.materials.iter().filter(|(other, _)| *other == material).cloned().collect();
+        Canopy { rays: self.rays, materials, leaves: Vec::new() }
+    }
+
+    /// Returns the materials that each ray of a list crosses, ascending, and how often, for the
+    /// rays that cross any.
+    pub fn crossings(&self, list: usize) -> BTreeMap<usize, Vec<(u16, u8)>> {
+        let mut found: BTreeMap<usize, Vec<(u16, u8)>> = BTreeMap::new();
+        for (material, lists) in &self.materials {
+            lists[list].for_each(|ray, count| found.entry(ray).or_default().push((*material, count)));
+        }
+        found
+    }
+
     /// Returns the cells of leaves, each once, with the share of the hemisphere whose light comes
     /// from them through the crossings before them.
     pub fn leaves(&self, powers: &Powers) -> Vec<(CellKey, f32)> {

@@ -2,6 +2,8 @@
 //! only texels with an edge in them keep their fine bits. A receiver takes 5 to 20 kB, where the
 //! whole square takes 128.
 
+use std::collections::BTreeMap;
+
 use crate::layers::bits::BitSquare;
 
 /// Decoded sky texture of one receiver.
@@ -77,9 +79,69 @@ impl SkyBitmap {
         bitmap
     }
 
-    pub(super) fn closed(base: usize, block: usize) -> SkyBitmap {
+    /// Returns the part of the sky whose fine texels (column, row) are `wanted`.
+    pub fn within(&self, wanted: impl Fn(usize, usize) -> bool) -> SkyBitmap {
+        let mut dense = BitSquare::new(self.side() * self.block);
+        self.for_visible(|texel, _| {
+            let (column, row) = (texel % self.side() * self.block, texel / self.side() * self.block);
+            for (column, row) in (0..self.block * self.block).map(|i| (column + i % self.block, row + i / self.block)) {
+                if self.get(column, row) && wanted(column, row) {
+                    dense.set(column, row, true);
+                }
+            }
+        });
+        SkyBitmap::new(&dense, self.side())
+    }
+
+    /// Returns a bitmap of `base` texels a side, each of `block` x `block` fine texels, without
+    /// sky.
+    pub fn closed(base: usize, block: usize) -> SkyBitmap {
         let (open, mixed) = (BitSquare::new(base), BitSquare::new(base));
         SkyBitmap { block, open, mixed, ranks: Vec::new(), blocks: Vec::new() }
+    }
+
+    /// Returns the bitmap of all fine texels that are not sky.
+    pub fn inverse(&self) -> SkyBitmap {
+        let (side, fine) = (self.side(), self.block * self.block);
+        let mut out = SkyBitmap::closed(side, self.block);
+        for texel in 0..side * side {
+            let (column, row) = (texel % side, texel / side);
+            match self.texel(column, row) {
+                Texel::Closed => out.open.set(column, row, true),
+                Texel::Open => {}
+                Texel::Mixed(bits) => {
+                    out.mixed.set(column, row, true);
+                    let used = |word: usize| u64::MAX >> (64 - (fine - word * 64).min(64));
+                    out.blocks.extend(bits.iter().enumerate().map(|(word, bits)| !bits & used(word)));
+                }
+            }
+        }
+        out.rank();
+        out
+    }
+
+    /// Splits the sky by a property of its base texels, which `of` tells by their row-major
+    /// numbers. Each fine texel that is sky is in one of the parts.
+    pub fn split<K: Ord>(&self, mut of: impl FnMut(usize) -> K) -> BTreeMap<K, SkyBitmap> {
+        let side = self.side();
+        let mut parts: BTreeMap<K, SkyBitmap> = BTreeMap::new();
+        for texel in 0..side * side {
+            let (column, row) = (texel % side, texel / side);
+            let found = self.texel(column, row);
+            if found == Texel::Closed {
+                continue;
+            }
+            let part = parts.entry(of(texel)).or_insert_with(|| SkyBitmap::closed(side, self.block));
+            match found {
+                Texel::Mixed(bits) => {
+                    part.mixed.set(column, row, true);
+                    part.blocks.extend(bits);
+                }
+                _ => part.open.set(column, row, true),
+            }
+        }
+        parts.values_mut().for_each(SkyBitmap::rank);
+        parts
     }
 
     /// Counts the mixed texels of each word, once all texels are there.
@@ -243,6 +305,30 @@ mod tests {
                 }
             }
             assert!((0..raw.len()).step_by(97).all(|cut| SkyBitmap::unpack(&raw[..cut], 3, base, fine).is_none()));
+        }
+    }
+
+    /// For blocks of 1, 2, 8 and 16 fine texels a side, each fine texel of a random sky is in
+    /// exactly one of the sky, and the parts of its inverse by the remainder of its base texel
+    /// divided by 3.
+    #[test]
+    fn parts_of_the_inverse_hold_what_the_sky_does_not() {
+        for block in [1, 2, 8, 16] {
+            let (base, fine) = (33, 33 * block);
+            let mut dense = BitSquare::new(fine);
+            for t in 0..fine * fine {
+                let kind = crate::hemisphere::mix(5, (t / fine / block * base + t % fine / block) as u64) % 3;
+                let one = kind == 1 || kind == 2 && crate::hemisphere::mix(7, t as u64).is_multiple_of(2);
+                dense.set(t % fine, t / fine, one);
+            }
+            let sky = SkyBitmap::new(&dense, base);
+            let parts = sky.inverse().split(|texel| texel % 3);
+            assert_eq!(parts.len(), 3);
+            for (column, row) in (0..fine * fine).map(|t| (t % fine, t / fine)) {
+                let of = (row / block * base + column / block) % 3;
+                let found: Vec<usize> = parts.iter().filter(|p| p.1.get(column, row)).map(|p| *p.0).collect();
+                assert_eq!(found, if sky.get(column, row) { vec![] } else { vec![of] });
+            }
         }
     }
 

@@ -9,10 +9,12 @@ mod materials;
 mod name_index;
 mod open_site;
 pub(crate) mod receiver_layers;
+mod seen_objects;
 mod settings;
 
 pub use cell_source::CellSource;
 pub use matching::{ReceiverMatching, ReceiverPair, ReceiverPlace, SAME_NORMAL_DEG, SAME_PLACE_M};
 pub use name_index::{NameIndex, tiles_within};
 pub use open_site::{OpenSite, SiteFacts};
+pub use seen_objects::{CellTriangles, SceneObjects, SeenObject, SurfaceOf};
 pub use settings::SiteSettings;

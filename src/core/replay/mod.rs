@@ -4,6 +4,7 @@
 //! that could.
 
 pub mod bands;
+pub mod by_object;
 pub mod components;
 mod direct;
 pub mod factors;

@@ -109,13 +109,13 @@ impl Default for ReplaySettings<'_> {
 /// # }
 /// ```
 pub struct Replay<'a> {
-    site: OpenSite<'a>,
-    forcing: Forcing,
+    pub(super) site: OpenSite<'a>,
+    pub(super) forcing: Forcing,
     memory: MemoryBudget,
     /// Mirrors of the site; `None` if there are none or the components need none.
-    mirrors: Option<MirrorTable>,
+    pub(super) mirrors: Option<MirrorTable>,
     /// Tables and solver of responses; `None` if the archive's own responses apply.
-    responder: Option<(Tables<'a>, ResponseSolver)>,
+    pub(super) responder: Option<(Tables<'a>, ResponseSolver)>,
     bands: Vec<BandReplay<'a>>,
 }
 
@@ -143,19 +143,30 @@ impl<'a> Replay<'a> {
         conditions: &'r [Condition],
         settings: ReplaySettings<'r>,
     ) -> ReplayBuilder<'r, 'a> {
-        ReplayBuilder { site, conditions, settings, bins: None, schedules: &[], bands: &[], are_sums: false }
+        ReplayBuilder {
+            site,
+            conditions,
+            settings,
+            bins: None,
+            schedules: &[],
+            bands: &[],
+            are_sums: false,
+            by_object: false,
+        }
     }
 }
 
 /// Builder of a replay of an archive under conditions.
 pub struct ReplayBuilder<'r, 'a> {
     site: &'r OpenSite<'a>,
-    conditions: &'r [Condition],
+    pub(super) conditions: &'r [Condition],
     settings: ReplaySettings<'r>,
     bins: Option<&'r Bins>,
     schedules: &'r [Schedule],
     bands: &'r [BandPass<'a>],
     are_sums: bool,
+    /// True if the light of single cells is asked for: responses are derived.
+    pub(super) by_object: bool,
 }
 
 impl<'r, 'a> ReplayBuilder<'r, 'a> {
@@ -197,8 +208,8 @@ impl<'r, 'a> ReplayBuilder<'r, 'a> {
     }
 
     /// Prepares the replay of all light.
-    fn build_one(self) -> Result<Replay<'a>> {
-        let ReplayBuilder { site, conditions, settings, bins, schedules, .. } = self;
+    pub(super) fn build_one(self) -> Result<Replay<'a>> {
+        let ReplayBuilder { site, conditions, settings, bins, schedules, by_object, .. } = self;
         let bins = &*bins.map_or_else(|| Cow::Owned(Bins::each(conditions.len())), Cow::Borrowed);
         let conditions = &*in_axes(conditions, site.north());
         if settings.sky.brightens() && conditions.iter().any(|c| c.own_sky.is_some() || c.clouds.is_some()) {
@@ -230,14 +241,18 @@ impl<'r, 'a> ReplayBuilder<'r, 'a> {
         let paths = settings.paths;
         let matt = !paths.mirror_diffuse && !site.orientations().is_empty();
         let is_changed = !site.is_as_stored() || !schedules.is_empty();
-        let derives = reflects && (paths.depth != MaxBounces::All || matt || is_changed);
+        let derives = reflects && (by_object || paths.depth != MaxBounces::All || matt || is_changed);
         // Stored responses and transmittances apply: no tables have to be read.
         if !derives && (leaves.is_empty() || schedules.is_empty()) {
             let forcing = behind(forced(&[])?, vec![(leaves.clone(), bins.clone())]);
             return Replay::with(site, forcing, settings.memory, None);
         }
         let tables = Tables::new(site)?;
-        let tables = if matt { tables.without_mirrors() } else { tables };
+        let mut tables = if matt { tables.without_mirrors() } else { tables };
+        if by_object {
+            // Rows of objects name their cells without a texture of hits.
+            tables.settings.hit = 0;
+        }
         let stored = tables.mirrors.reflectors.iter().map(Reflector::variable).collect();
         let lets_through: Vec<bool> = tables.mirrors.reflectors.iter().map(|r| r.transmittance.is_some()).collect();
         let (memory, storage) = (settings.memory, settings.storage);

@@ -8,16 +8,16 @@ use crate::weather::time::calendar::Date;
 
 /// Column that is read, with the range of its values; further columns (a time, a note) are ignored.
 #[derive(Clone, Copy, Debug)]
-pub struct Column {
+pub struct Column<'n> {
     /// Name of the column in the header.
-    pub name: &'static str,
+    pub name: &'n str,
     /// Smallest value.
     pub low: f64,
     /// Largest value.
     pub high: f64,
 }
 
-impl Column {
+impl Column<'_> {
     /// Returns true if a value is in range; false for NaN.
     pub fn holds(&self, value: f64) -> bool {
         (self.low..=self.high).contains(&value)
@@ -70,33 +70,46 @@ pub fn parse_schedule(path: &Path, bytes: &[u8], column: Column, rows: Rows) -> 
 
 fn parse(path: &Path, bytes: &[u8], column: Column) -> Result<Vec<f64>> {
     let Column { name, low, high } = column;
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).flexible(true).from_reader(bytes);
-    let broken = |error: csv::Error| {
-        let line = error.position().map(|p| p.line() as usize);
-        Error::input(path, line, error.to_string(), "save the file as CSV in UTF-8")
+    let value = |(line, text): (usize, String)| {
+        text.parse::<f64>().ok().filter(|value| column.holds(*value)).ok_or_else(|| {
+            let what = format!("column `{name}` holds `{text}`");
+            Error::input(path, line, what, format!("write a number from {low} to {high}"))
+                .because(Problem::value(name, &text))
+        })
     };
-    let header = reader.headers().map_err(broken)?;
-    let Some(place) = header.iter().position(|cell| cell == name) else {
+    column_texts(path, bytes, name)?.into_iter().map(value).collect()
+}
+
+/// Returns the names of the columns of a table; messages call it `path`.
+pub fn column_names(path: &Path, bytes: &[u8]) -> Result<Vec<String>> {
+    let mut table = reader(bytes);
+    let header = table.headers().map_err(|error| broken(path, &error))?;
+    Ok(header.iter().map(str::to_owned).collect())
+}
+
+/// Returns the texts of a column with their lines, from 1.
+pub fn column_texts(path: &Path, bytes: &[u8], name: &str) -> Result<Vec<(usize, String)>> {
+    let Some(place) = column_names(path, bytes)?.iter().position(|cell| cell == name) else {
         let what = format!("column `{name}` is missing from the header");
         let hint = format!("name the column of the values `{name}`");
         return Err(Error::input(path, 1, what, hint).because(Problem::no_column(name)));
     };
-    let mut values = Vec::new();
-    for record in reader.records() {
-        let record = record.map_err(broken)?;
+    let text = |record: csv::Result<csv::StringRecord>| {
+        let record = record.map_err(|error| broken(path, &error))?;
         let line = record.position().map_or(0, |p| p.line() as usize);
-        let text = record.get(place).unwrap_or_default();
-        match text.parse::<f64>() {
-            Ok(value) if column.holds(value) => values.push(value),
-            _ => {
-                let what = format!("column `{name}` holds `{text}`");
-                return Err(Error::input(path, line, what, format!("write a number from {low} to {high}"))
-                    .because(Problem::value(name, text)));
-            }
-        }
-    }
-    Ok(values)
+        Ok((line, record.get(place).unwrap_or_default().to_owned()))
+    };
+    reader(bytes).into_records().map(text).collect()
+}
+
+fn reader(bytes: &[u8]) -> csv::Reader<&[u8]> {
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    csv::ReaderBuilder::new().trim(csv::Trim::All).flexible(true).from_reader(bytes)
+}
+
+fn broken(path: &Path, error: &csv::Error) -> Error {
+    let line = error.position().map(|p| p.line() as usize);
+    Error::input(path, line, error.to_string(), "save the file as CSV in UTF-8")
 }
 
 #[cfg(test)]

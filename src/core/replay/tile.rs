@@ -57,6 +57,8 @@ pub(super) struct Forcing {
     components: ComponentSet,
     /// True if the sky that is seen in mirrors counts.
     mirror_sky: bool,
+    /// True if results below 0 stay: those of parts of a sky or of a texture.
+    signed: bool,
     longwave: Option<Longwave>,
     /// Direct light of receivers that see the sky through canopies.
     shaded: Option<DirectThroughCanopy>,
@@ -137,10 +139,28 @@ impl Forcing {
             sky_projection,
             components,
             mirror_sky: true,
+            signed: false,
             longwave: None,
             shaded: None,
             spares: Arc::default(),
         }
+    }
+
+    /// Keeps results below 0, so that parts of a receiver add up to the whole.
+    pub fn signed(&mut self) {
+        self.signed = true;
+    }
+
+    /// Sets values below 0, by the error of a texture or by parts of a sky, to 0.
+    fn clamp(&self, values: &mut [f32]) {
+        if !self.signed {
+            values.iter_mut().for_each(|v| *v = v.max(0.0));
+        }
+    }
+
+    /// Returns the number of results.
+    pub fn results(&self) -> usize {
+        self.bins
     }
 
     /// Adds longwave irradiance.
@@ -230,7 +250,7 @@ impl Forcing {
         let sky_direct = self.components.needs(SkyDirect) && !self.skies.is_empty();
         if self.components.needs(SunDirect) && !self.suns.is_empty() {
             self.add_suns(SunDirect, &self.suns, tile, out);
-            out.component_mut(SunDirect).iter_mut().for_each(|v| *v = v.max(0.0));
+            self.clamp(out.component_mut(SunDirect));
         }
         if sky_direct && let Some(field) = &self.sky_field {
             for (receiver, (&normal, sky)) in tile.normals.iter().zip(&tile.sky).enumerate() {
@@ -247,8 +267,7 @@ impl Forcing {
         }
         if sky_direct {
             self.add_suns(SkyDirect, &self.circumsolar, tile, out);
-            // Parts of a sky may be below 0.
-            out.component_mut(SkyDirect).iter_mut().for_each(|v| *v = v.max(0.0));
+            self.clamp(out.component_mut(SkyDirect));
         }
         if let Some(shaded) = &self.shaded {
             shaded.replace(tile, &self.sky_projection, out);
@@ -303,7 +322,7 @@ impl Forcing {
     }
 
     /// Adds the circumsolar light of the skies, as `glow(receiver, sums)` gives it, to the light of
-    /// their patches. Negative results, which parts of a sky may cause, become 0.
+    /// their patches.
     fn add_circumsolar(&self, column: Component, glow: impl Fn(usize, &mut [f64]), out: &mut TileValues) {
         let mut sums = vec![0.0_f64; self.bins];
         for receiver in 0..out.receivers() {
@@ -312,8 +331,9 @@ impl Forcing {
                 glow(receiver, &mut sums);
             }
             let row = out.row_mut(column, receiver).iter_mut();
-            row.zip(&sums).for_each(|(out, sum)| *out = (*out + *sum as f32).max(0.0));
+            row.zip(&sums).for_each(|(out, sum)| *out += *sum as f32);
         }
+        self.clamp(out.component_mut(column));
     }
 
     fn add_diffuse(&self, tile: &TileLayers, out: &mut TileValues) {
@@ -352,7 +372,7 @@ impl Forcing {
                 None => self.add_sources(&state.sources, responses, class, out),
             }
         }
-        out.iter_mut().for_each(|v| *v = v.max(0.0));
+        self.clamp(out);
     }
 
     /// Adds the sky's light by responses, or by one class of surfaces in them, to
@@ -371,8 +391,7 @@ impl Forcing {
             }
             of_state.irradiance(&coefficients, |receiver, bin, v| out[receiver * self.bins + bin] += v);
         }
-        // A texture may be below 0 by its error.
-        out.iter_mut().for_each(|v| *v = v.max(0.0));
+        self.clamp(out);
     }
 
     fn add_sums(&self, sources: &ResponseSums, responses: &[Response], class: Option<Class>, out: &mut [f32]) {

@@ -296,6 +296,11 @@ impl FaceTag {
     pub fn new(outward: DVec3, material: u16) -> Self {
         FaceTag { material, bins: [facing_bin(outward), facing_bin(-outward)] }
     }
+
+    /// Returns the material of the triangle.
+    pub fn material(self) -> u16 {
+        self.material
+    }
 }
 
 /// Returns the edge of a cell of this level, metres.

@@ -20,8 +20,9 @@ pub fn run(args: &Pv, about: Provenance) -> Result<Outcome> {
 fn summary(args: &Pv, done: &PvDone) -> String {
     let lists = if args.request.points.is_some() { ", horizon/ (a list for each point)" } else { ", modules.obj" };
     let pictures = if args.request.search { " and turns/ (a picture for each point)" } else { "" };
+    let shade = if args.request.shade { " and shade/ (of the array)" } else { "" };
     format!(
-        "{}: {}{lists}{pictures}; about the archive: heliotile info {}\n",
+        "{}: {}{lists}{pictures}{shade}; about the archive: heliotile info {}\n",
         done.folder.display(),
         done.files.join(", "),
         quoted(&done.archive.to_string_lossy())

@@ -1,5 +1,5 @@
-//! Commands that compute light from archives: `replay`, `compare`, `buildings`, `places`,
-//! `factors`. In: arguments. Out: requests that are run, and a summary sentence.
+//! Commands that compute light from archives: `replay`, `compare`, `shading`, `buildings`,
+//! `places`, `factors`. In: arguments. Out: requests that are run, and a summary sentence.
 
 use std::io::IsTerminal;
 use std::path::Path;
@@ -7,7 +7,7 @@ use std::path::Path;
 use super::console::terminal::Terminal;
 use super::console::voice::remark_aside;
 use super::{Outcome, remark};
-use heliotile::cases::{Buildings, Compare, Factors, Places, Replay, SelectionRequest, SiteRequest};
+use heliotile::cases::{Buildings, Compare, Factors, Places, Replay, SelectionRequest, Shading, SiteRequest};
 use heliotile::text::counted;
 use heliotile::{Error, Every, OutputRequest, Provenance, Resources, Result};
 
@@ -47,6 +47,17 @@ pub fn compare(args: &Compare, about: Provenance) -> Result<Outcome> {
     } else {
         remark(done.text())?
     }
+    Ok(Outcome::Fine)
+}
+
+/// `heliotile shading`.
+pub fn shading(args: &Shading, about: Provenance) -> Result<Outcome> {
+    let done = with_resources(&args.site, |resources| {
+        let site = args.site.open(&args.receivers, about, resources.observer)?;
+        site.shading(&args.replay, &args.request, resources)
+    })?;
+    // Standard output may hold the table, so the remark goes to standard error.
+    remark_aside(format!("{}\n", done.text()));
     Ok(Outcome::Fine)
 }
 

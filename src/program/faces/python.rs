@@ -63,6 +63,7 @@ const CLASSES: &[Class] = &[
     class!("CompareOptions", "compare", "compare", ["after", "weather"], false),
     class!("BuildingsOptions", "Archive.buildings", "buildings", ["weather", "output"], false),
     class!("PlacesOptions", "Archive.places", "places", ["weather", "output"], false),
+    class!("ShadingOptions", "Archive.shading", "shading", ["weather", "output"], false),
     class!("SunlightOptions", "Archive.sunlight", "sunlight", ["dates", "output"], false),
     class!("GlareOptions", "Archive.glare", "glare", ["dates", "output"], false),
     class!("FactorsOptions", "Archive.factors", "energyplus factors", [], false),

@@ -22,6 +22,7 @@ from .options import (
     PlacesOptions,
     QueryOptions,
     ReplayOptions,
+    ShadingOptions,
     SunlightOptions,
     Wanted,
     WriteOptions,
@@ -191,6 +192,14 @@ class Askable(ABC):
         keywords = asked("Archive.places", PlacesOptions, options, output=output, weather=weather)
         first, second = self._ask("places", keywords, options)
         return first, second
+
+    def shading(self, output: str | os.PathLike[str], weather: Any, **options: Unpack[ShadingOptions]) -> str:
+        """Writes the direct light of sun and sky that each building, tree and terrain takes from
+        receivers, and the light that it reflects to them: `heliotile shading`. Returns a sentence
+        about it. The options are those of `heliotile.options.ShadingOptions`."""
+        keywords = asked("Archive.shading", ShadingOptions, options, output=output, weather=weather)
+        sentence: str = self._ask("shading", keywords, options)
+        return sentence
 
     def comfort(self, output: str | os.PathLike[str], weather: Any, **options: Unpack[ComfortOptions]) -> tuple[int, int]:
         """Writes thermal comfort of people at the points of an archive of `heliotile.comfort`.

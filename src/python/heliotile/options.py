@@ -714,6 +714,112 @@ class PlacesOptions(TypedDict, total=False):
     """Called now and then with the stage, the number of items done, and the number of all."""
 
 
+class ShadingOptions(TypedDict, total=False):
+    """Options of `Archive.shading`."""
+
+    memory: int | str | None
+    """Memory to work in, such as 512MiB or 2GiB. Default: `4GiB`."""
+
+    by: Literal["receiver", "surface", "window", "object", "building", "kind"] | None
+    """Grouping of rows: what light is taken from. Default: `receiver`."""
+
+    takers: Literal["building", "object", "type"] | None
+    """Grouping of rows: what takes light. Default: `building`."""
+
+    plots: Place | Sequence[Place] | None
+    """Draw a picture. A name that ends with .svg is a chart: what is taken from all receivers, stacked by what takes it, for each row of `every`. One that ends with .png is what a single chosen receiver sees, in the colours of the chart. May be repeated; a table is then written only if `output` names one."""
+
+    receivers: Wanted | None
+    """Only the receivers listed in a CSV file: ids in a column `receiver`."""
+
+    bbox: str | Sequence[float] | None
+    """Only the receivers in a box, coordinates of the scene in metres: xmin,ymin,xmax,ymax and optionally zmin,zmax; of an atlas, only parts that touch it are opened."""
+
+    surfaces: str | Sequence[str] | None
+    """Only the receivers of these surfaces."""
+
+    objects: str | Sequence[str] | None
+    """Only the receivers of these objects or buildings."""
+
+    sky: str | os.PathLike[str] | float | None
+    """Sky radiance distribution: perez (all-weather, 1993), perez1990 (tilted surfaces, as in EnergyPlus and pvlib), uniform (the same radiance everywhere), or cie:1 to cie:16 (the traditional overcast sky); or a file with a dot in its name: radiances of 145, 577 or 2305 patches as .csv, a matrix of Radiance (gendaymtx -s -O1, genskyvec), or a square equidistant photograph of the sky as .png, .hdr or .exr. Default: `perez`."""
+
+    sky_scale: Literal["dhi", "given"] | None
+    """Scale of the radiances in a file of `sky` [default: dhi for photographs, given for tables and matrices]"""
+
+    sky_white: float | None
+    """Radiance of white in a photograph of `sky`, W/m2/sr, for `sky_scale` given [default: levels of .hdr and .exr are radiances]"""
+
+    clouds: Place | None
+    """Transmittance of clouds before sun and sky, 0 to 1 by direction: a table of patches as for `sky`, or a square equidistant (fisheye) picture."""
+
+    image_top: float | None
+    """Azimuth of the top of the pictures of `sky` and `clouds`, degrees clockwise from true north; their left side is 90 degrees further clockwise [default: 0, north]"""
+
+    patches: int | None
+    """Number of sky patches: 145, 577 or 2305 [default: that for which the archive was built]"""
+
+    bounces: str | float | None
+    """Number of diffuse reflections that count: all, or 1 to 64 (1 counts the first one only). Default: `all`."""
+
+    paths: str | Sequence[str | os.PathLike[str]] | None
+    """Light paths that count besides direct sun and sky, their first diffuse reflection and the sun in mirrors: all, none (as in EnergyPlus), or some of bounces (further diffuse reflections), mirror-diffuse (diffuse light that also meets a mirror), mirror-sky (the sky in mirrors). Default: `all`."""
+
+    reflectance: Mapping[str, Follow] | None
+    """Change a diffuse reflectance: GROUP=0.6, or a material's name, `ground` or `obstruction` in place of the group; may be repeated, the last one counts."""
+
+    schedule: Mapping[str, Follow] | None
+    """Change a diffuse reflectance over time: a CSV with a column `reflectance` and a line for each condition, for each row of the weather file, or for each of 12 months; may be repeated."""
+
+    transmittance: Mapping[str, Follow] | None
+    """Change the transmittance of canopies, the share of light that each of their faces lets through: GROUP=0.4, or a CSV as for `schedule`, with a column `transmittance` (leaves by season); may be repeated, the last one counts."""
+
+    latitude: float | None
+    """Latitude of the weather, degrees, north positive, in place of that of the file [default if the file states none: that of the scene]"""
+
+    longitude: float | None
+    """Longitude of the weather, degrees, east positive, in place of that of the file."""
+
+    time_zone: str | float | None
+    """Time zone of the weather file's clock, in place of that of the file: hours ahead of UTC, such as +01:00, -7 or UTC, or a name, such as Europe/Amsterdam, with its summer time. If its time stamps state an offset, the zone of days and labels in results."""
+
+    shift: str | float | None
+    """Shift of the weather file's time stamps, such as 41min, -30min or 0.5h; `auto` chooses the shift under which GHI, DNI and DHI agree best, if they agree clearly better."""
+
+    weather_stamp: Literal["start", "middle", "end"] | None
+    """Position of the weather file's time stamps in their intervals; middle for values at one moment [default: as the format, the names of columns or hours 1 to 24 imply; start for plain CSV]"""
+
+    date_order: Literal["dmy", "mdy", "ymd"] | None
+    """Order of day and month in the weather file's dates of three numbers, such as 01/06/2021 [default: what the whole column shows]"""
+
+    every: Literal["hour", "day", "month", "year", "total"] | None
+    """Period of a row: means in W/m2 of hours, sums in kWh/m2 of longer periods. Default: `year`."""
+
+    stamp: Literal["start", "middle", "end"] | None
+    """Time that labels a row of means: the start, middle or end of its interval, as 06:00, 06:30 or 07:00 for the hour from 06:00 to 07:00 (the last hour of a day ends at 00:00 of the next); sums are labelled with the start of their period. Default: `start`."""
+
+    year: int | None
+    """Year of all dates in results, such as 2019, for example for a typical year, whose months come from different ones. Sun positions stay those of the file's dates; 29 February is left out if the year has none. `before` and `end` then refer to this year."""
+
+    start: str | datetime.date | None
+    """First day that counts, such as 2019-03-01, or 03-01 of any year (for typical years and winters), or a time such as 03-01T06:00."""
+
+    end: str | datetime.date | None
+    """Last day that counts, up to its end; if it is before `before`, that day of the next year, as in `before` 11-01 `end` 02-28."""
+
+    steps: int | None
+    """Number of sun positions within each interval of the weather file, 1 to 60 [default: the number per hour for which the archive was built]"""
+
+    snow: Literal["depth", "albedo"] | None
+    """Change the reflectance of all ground by the weather file: its snow depth (`snow_reflectance` from 1 cm on) or its albedo."""
+
+    snow_reflectance: float | None
+    """Diffuse reflectance of snow. Default: `0.6`."""
+
+    progress: Progress | None
+    """Called now and then with the stage, the number of items done, and the number of all."""
+
+
 class SunlightOptions(TypedDict, total=False):
     """Options of `Archive.sunlight`."""
 
@@ -761,6 +867,9 @@ class SunlightOptions(TypedDict, total=False):
 
     lit_share: float | None
     """Share of a row's area that must be lit for a moment to count, without `rules` [default: any part of it] Default: `0`."""
+
+    trees: Literal["ignore", "opaque", "half"] | None
+    """What trees and screens (materials with a transmittance) do to the sun. Default: `ignore`."""
 
     exact: bool
     """Refine moments at which an edge within a texel decides, by casting rays at the scene in the archive."""
@@ -1486,6 +1595,30 @@ class PvOptions(TypedDict, total=False):
     bifaciality: float | None
     """Bifaciality, the share of the light on the rear that is added to that on the front, for poa_global and the gain. Default: `0.8`."""
 
+    kwp: float | None
+    """Rated power of the array, kW at standard test conditions, in equal shares of all points or modules. A column `kwp` of points or a key `kwp` of rows states that of each instead. A column or key `string` adds sums of each string."""
+
+    temperature_coefficient: str | float | None
+    """Temperature coefficient of power, percent per K: -0.35 of today's silicon modules, -0.47 of those of 2014. Default: `-0.35`."""
+
+    mounting: Literal["open", "roof"] | None
+    """Mounting, which decides how much warmer than the air cells are. Default: `open`."""
+
+    losses: str | float | None
+    """System losses: dirt, mismatch, wiring, age. The 14 % of PVWatts contain 3 % for shade, which is traced here; without it they are 11.4 %. Default: `14%`."""
+
+    inverter_efficiency: float | None
+    """Nominal efficiency of the inverter. Default: `0.96`."""
+
+    dc_ac_ratio: float | None
+    """Ratio of the array's rated power to the inverter's. Default: `1.1`."""
+
+    price: str | None
+    """Price of a kWh, in any currency, such as 0.30EUR."""
+
+    value: Place | None
+    """Values by the hour, CSV: a row for each row of the weather file, or 12 rows, one a month. A column `X_per_kwh` (a price, carbon) gives the sum of X, a column `load_kw` the energy that the load takes at once. A column `time` is compared with the weather file."""
+
     search: bool
     """Find the best tilt and azimuth of every point: best.csv, search.csv and a picture of each; points without angles get the best ones."""
 
@@ -1494,6 +1627,9 @@ class PvOptions(TypedDict, total=False):
 
     azimuths: str | Sequence[float] | None
     """Range of azimuths for `search`, degrees clockwise from true north, such as 90..270, or 300..60 through north, or one azimuth. Default: `0..360`."""
+
+    shade: bool
+    """Write the shade of the whole array into the folder shade/: the share of the sun's beam that arrives, by azimuth and altitude, and the layouts of SAM, PVGIS, Forecast.Solar and Open-Meteo Solar Forecast."""
 
     sky: str | None
     """Sky radiance distribution: perez (all-weather, 1993), perez1990 (tilted surfaces, as in EnergyPlus and pvlib), uniform (the same radiance everywhere), or cie:1 to cie:16 (the traditional overcast sky). Default: `perez`."""

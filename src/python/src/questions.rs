@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use crate::archive::{ARCHIVE, ArchiveHandle};
 use crate::asked::Keywords;
 use crate::selection::PySelection;
-use heliotile::cases::{Buildings, Compare, Glare, PeopleOfSite, Places, Replay, Sunlight};
+use heliotile::cases::{Buildings, Compare, Glare, PeopleOfSite, Places, Replay, Shading, Sunlight};
 use heliotile::tables::{Cell, Records};
 use heliotile::{Provenance, Result, Site};
 
@@ -42,6 +42,9 @@ pub fn ask(
         "places" => asked.run::<Places, _>(py, ARCHIVE, progress, |args, about, resources| {
             let done = chosen(about)?.places(&args.year(), &args.request, resources)?;
             Ok(json!([done.places, done.receivers]))
+        }),
+        "shading" => asked.run::<Shading, _>(py, ARCHIVE, progress, |args, about, resources| {
+            Ok(json!(chosen(about)?.shading(&args.replay, &args.request, resources)?.text()))
         }),
         "comfort" => asked.run::<PeopleOfSite, _>(py, &[], progress, |args, about, resources| {
             let done = chosen(about)?.comfort(&args.request(), &args.files, resources)?;

@@ -166,6 +166,9 @@ def test_files_are_the_programs(block: heliotile.Archive, conditions: Path, tmp_
     program("places", block.path, "--weather", YEAR, "--best", 5, "-o", tmp_path / "program-p.csv")
     assert block.places(tmp_path / "p.csv", YEAR, best=5)[0] == 5
     assert rows(tmp_path / "p.csv") == rows(tmp_path / "program-p.csv")
+    program("shading", block.path, "--weather", YEAR, "--by", "surface", "-o", tmp_path / "program-s.csv")
+    assert "takes most" in block.shading(tmp_path / "s.csv", YEAR, by="surface", plots=[tmp_path / "s.svg"])
+    assert rows(tmp_path / "s.csv") == rows(tmp_path / "program-s.csv") and "<svg" in (tmp_path / "s.svg").read_text()
     with pytest.raises(heliotile.ArgumentError, match="weather, conditions"):
         block.write(tmp_path / "none.csv")
 

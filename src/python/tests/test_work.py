@@ -239,6 +239,7 @@ LONG: dict[str, Callable[[heliotile.Archive, Path, Interrupted], object]] = {
     "compare": lambda block, to, told: heliotile.compare(block, block, YEAR, steps=60, columns=SPLIT, progress=told),
     "buildings": lambda block, to, told: block.buildings(to / "roofs.csv", YEAR, steps=60, progress=told),
     "places": lambda block, to, told: block.places(to / "places.csv", YEAR, steps=60, progress=told),
+    "shading": lambda block, to, told: block.shading(to / "takers.csv", YEAR, steps=60, progress=told),
     "sunlight": lambda block, to, told: block.sunlight(to / "hours.csv", "year", weather=YEAR, exact=True, progress=told),
     "factors": lambda block, to, told: block.factors(azimuth_step=1, altitude_step=1, progress=told),
 }

@@ -23,6 +23,7 @@ pub mod quantities;
 pub mod receivers;
 pub mod result_file;
 pub mod row_maker;
+pub mod shading;
 pub mod shapes;
 pub mod sink;
 pub mod stac;

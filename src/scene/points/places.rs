@@ -4,14 +4,16 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use super::header::{Header, Names, advance_to_header};
-use super::rows::PointColumns;
+use super::header::{Found, Header, Names, advance_to_header};
 pub use super::rows::{Facing, PointDefaults, PointHeight};
+use super::rows::{PointColumns, check_length, number};
 use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::text::Message;
 use heliotile_files::csv_rows::CsvRows;
 
 const NAMES: [Names; 2] = [&["point"], &["receiver"]];
+const KWP: Names = &["kwp"];
+const STRING: Names = &["string"];
 /// Columns of a header, for messages.
 const HINT: &str = "name the columns point,x,y,height,tilt_deg,azimuth_deg, or z in place of height";
 
@@ -28,20 +30,38 @@ pub struct PlacePoint {
     pub height: PointHeight,
     /// Direction of the module; `None` if the table does not state it.
     pub facing: Option<Facing>,
+    /// Rated power and string of the module there.
+    pub rating: Rating,
     /// Line in the file, from 1.
     pub line: usize,
+}
+
+/// Rated power of a module, and the string that it is a part of.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Rating {
+    /// Rated power, kW; `None` if it is not stated.
+    pub kwp: Option<f64>,
+    /// Name of the string; may be empty.
+    pub string: String,
+}
+
+impl Rating {
+    /// Largest rated power, kW: more is a mix-up of watts and kilowatts.
+    pub const MOST_KW: f64 = 1e6;
 }
 
 /// Longest name of a point, bytes: files are named after it.
 const MAX_NAME: usize = 100;
 
 /// Reads points from columns `point,x,y`, one of `z` and `height`, and `tilt_deg,azimuth_deg` or
-/// `nx,ny,nz`, in any order. Fails without a row. `warnings` gets the columns that are ignored.
+/// `nx,ny,nz`, and of `kwp` and `string` if there are any, in any order. Fails without a row.
+/// `warnings` gets the columns that are ignored.
 pub fn read_points(path: &Path, defaults: PointDefaults, warnings: &mut Vec<Message>) -> Result<Vec<PlacePoint>> {
     let mut rows = CsvRows::open(path)?;
     advance_to_header(&mut rows, HINT)?;
     let mut header = Header::new(&rows, HINT);
     let columns = PointColumns::find(&mut header, NAMES, defaults)?;
+    let (kwp, string) = (header.find(KWP)?, header.find(STRING)?);
     warnings.extend(header.unused());
     let (mut points, mut line_of): (Vec<PlacePoint>, HashMap<String, usize>) = (Vec::new(), HashMap::new());
     while rows.advance()? {
@@ -55,11 +75,30 @@ pub fn read_points(path: &Path, defaults: PointDefaults, warnings: &mut Vec<Mess
                 .because(Problem::duplicate(point.name)));
         }
         let (name, line) = (point.name.to_owned(), rows.line);
-        points.push(PlacePoint { name, x: point.x, y: point.y, height: point.height, facing: point.facing, line });
+        let string = string.map_or("", |column| rows.cell(column.place));
+        check_length(&rows, "string", string)?;
+        let rating =
+            Rating { kwp: kwp.map(|column| rated(&rows, column)).transpose()?.flatten(), string: string.to_owned() };
+        let (x, y, height, facing) = (point.x, point.y, point.height, point.facing);
+        points.push(PlacePoint { name, x, y, height, facing, rating, line });
     }
     match points.is_empty() {
         true => Err(Error::input(path, None, "the file holds a header but no points", "add one row per point")),
         false => Ok(points),
+    }
+}
+
+/// Returns a rated power, kW; `None` for an empty cell.
+fn rated(rows: &CsvRows, column: Found) -> Result<Option<f64>> {
+    if rows.cell(column.place).is_empty() {
+        return Ok(None);
+    }
+    match number(rows, column)? {
+        kwp if (0.0..=Rating::MOST_KW).contains(&kwp) => Ok(Some(kwp)),
+        _ => {
+            let (text, why) = (rows.cell(column.place), "not from 0 to 1000000");
+            Err(rows.cell_error(column.name, text, why, "give the rated power, kW"))
+        }
     }
 }
 

@@ -283,6 +283,7 @@ impl Module {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
+    use crate::points::places::Rating;
     use crate::pv::rows::RowsGround;
 
     /// Returns rows of modules of 1 m x 2 m, 3 m apart.
@@ -301,6 +302,7 @@ pub(super) mod tests {
             reflectances: [0.05; 2],
             samples: 4,
             ground_step_m: None,
+            rating: Rating::default(),
         }
     }
 

@@ -8,13 +8,15 @@ use serde::Deserialize;
 
 use crate::coordinate::MAX_COORDINATE_M;
 use crate::covering::surfaces::{Surface, Surfaces};
+use crate::points::places::Rating;
 use crate::text::read_toml;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::orientation::fan::Orientation;
+use heliotile_core::site::receiver::MAX_NAME_BYTES;
 use heliotile_files::input;
 
 const KEYS: &str = "each [[rows]] has a name, an area = [[x, y], ...] or a surface = \"NAME\", tilt, azimuth, pitch, width, height, and \
-                    maybe clearance, setback, gap, thickness, front, rear, samples, ground";
+                    maybe clearance, setback, gap, thickness, front, rear, samples, ground, kwp, string";
 
 /// Rows of modules of one kind.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,6 +48,8 @@ pub struct RowsOfModules {
     pub samples: usize,
     /// Distance of receivers on the ground among the rows, metres; `None`: no such receivers.
     pub ground_step_m: Option<f64>,
+    /// Rated power of a module, and the string of the rows.
+    pub rating: Rating,
 }
 
 /// Area or surface that rows are put on.
@@ -89,6 +93,9 @@ struct Entry {
     #[serde(default = "usual_samples")]
     samples: usize,
     ground: Option<f64>,
+    kwp: Option<f64>,
+    #[serde(default)]
+    string: String,
 }
 
 /// Returns the default thickness, metres: a pane and its frame.
@@ -148,6 +155,9 @@ fn checked(entry: Entry) -> std::result::Result<RowsOfModules, String> {
     if entry.name.is_empty() || entry.name.contains(['/', '\\', '"', ',']) || entry.name.chars().any(char::is_control) {
         return Err("the name is empty, or holds one of / \\ \" ,".into());
     }
+    if entry.string.len() > MAX_NAME_BYTES || entry.string.chars().any(char::is_control) {
+        return Err("`string` is longer than a name may be, or holds a line end".into());
+    }
     let ground = match (entry.area, entry.surface) {
         (Some(corners), None) => {
             let all: Vec<DVec2> = corners.into_iter().map(DVec2::from).collect();
@@ -188,6 +198,10 @@ fn checked(entry: Entry) -> std::result::Result<RowsOfModules, String> {
         reflectances: [share("front", entry.front)?, share("rear", entry.rear)?],
         samples: entry.samples,
         ground_step_m: entry.ground.map(|step| within("ground", step, [0.01, 1000.0])).transpose()?,
+        rating: Rating {
+            kwp: entry.kwp.map(|kwp| within("kwp", kwp, [0.0, Rating::MOST_KW])).transpose()?,
+            string: entry.string,
+        },
     })
 }
 

@@ -10,7 +10,7 @@ use crate::run::made_from::MadeFrom;
 use heliotile_core::archive::Archive;
 use heliotile_core::error::Result;
 use heliotile_files::writing::guards::guard_archive;
-use heliotile_results::outputs::pv::horizon;
+use heliotile_results::outputs::pv::{horizon, shade};
 use heliotile_results::outputs::tables::format::files_of;
 use heliotile_scene::site::SceneFiles;
 use heliotile_scene::site::guard_site;
@@ -24,10 +24,14 @@ pub struct PvFolder {
     pub months: PathBuf,
     /// Tables of receivers on the ground, if there are any: a row each, and their months.
     pub ground: Option<[PathBuf; 2]>,
+    /// Tables of the energy of the array, if its power is known: a row for each string, and months.
+    pub energy: Option<[PathBuf; 2]>,
     pub hours: PathBuf,
     pub horizon_table: PathBuf,
     /// Folder with a list for each point.
     pub horizons: PathBuf,
+    /// Folder with the shade of the array.
+    pub shade: PathBuf,
     pub search: PathBuf,
     pub best: PathBuf,
     /// Folder with a picture for each point.
@@ -35,8 +39,9 @@ pub struct PvFolder {
 }
 
 impl PvFolder {
-    /// Returns the files of a request; `has_ground` is true if there are receivers on the ground.
-    pub fn new(request: &PvRequest, has_ground: bool) -> Self {
+    /// Returns the files of a request; `has_ground` is true if there are receivers on the ground,
+    /// `has_power` if modules have a rated power.
+    pub fn new(request: &PvRequest, has_ground: bool, has_power: bool) -> Self {
         let folder = request.folder.clone();
         let file = |name: &str| folder.join(name);
         PvFolder {
@@ -44,9 +49,11 @@ impl PvFolder {
             points: file("points.csv"),
             months: file("months.csv"),
             ground: has_ground.then(|| ["ground.csv", "ground_months.csv"].map(file)),
+            energy: has_power.then(|| ["energy.csv", "energy_months.csv"].map(file)),
             hours: file(&format!("hourly.{}", request.format)),
             horizon_table: file("horizons.csv"),
             horizons: file("horizon"),
+            shade: file("shade"),
             search: file("search.csv"),
             best: file("best.csv"),
             turns: file("turns"),
@@ -67,7 +74,7 @@ impl PvFolder {
     /// Returns the tables that are written.
     fn tables(&self, request: &PvRequest) -> Vec<&Path> {
         let mut tables: Vec<&Path> = vec![&self.points, &self.months];
-        tables.extend(self.ground.iter().flatten().map(PathBuf::as_path));
+        tables.extend(self.ground.iter().chain(&self.energy).flatten().map(PathBuf::as_path));
         if request.points.is_some() {
             tables.push(&self.horizon_table);
         }
@@ -87,6 +94,7 @@ impl PvFolder {
             request.points.as_deref(),
             request.rows.as_deref(),
             request.accuracy.error_weather.as_deref(),
+            request.energy.value.as_deref(),
         ];
         let tables = self.tables(request);
         let outputs = tables.iter().flat_map(|table| files_of(table)).chain([self.archive.clone()]);
@@ -115,6 +123,10 @@ impl PvFolder {
         for point in spots.list.iter().map(|spot| &spot.name) {
             names.extend(request.points.is_some().then(|| PvFolder::list_of(point)));
             names.extend(request.search.then(|| PvFolder::picture_of(point)));
+        }
+        if request.shade {
+            names.extend(files_of(Path::new(shade::TABLE)).iter().map(|name| format!("shade/{}", name.display())));
+            names.extend(shade::LAYOUTS.map(|name| format!("shade/{name}")));
         }
         let mut now = MadeFrom::new(archive, weather, &request.weather, names);
         now.claim(&self.folder, request.replace)

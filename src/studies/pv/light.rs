@@ -18,7 +18,6 @@ use heliotile_results::bands::BandList;
 use heliotile_results::outputs::pv::ground::{DayCounts, PAR, PlantLight};
 use heliotile_results::outputs::pv::hourly::SideHours;
 use heliotile_results::outputs::pv::sums::{MonthlySums, PARTS};
-use heliotile_results::outputs::tables::bin_labels::BinLabels;
 use heliotile_results::own_skies::SkyChoice;
 use heliotile_results::{
     Archives, Every, LightRequest, Provenance, ReceiverSet, ReplayRequest, Resources, Series, Tile, TileStream,
@@ -62,6 +61,11 @@ impl<'a> Light<'a> {
         self.resources.observer
     }
 
+    /// Returns the resources of a replay.
+    pub fn resources(&self) -> &Resources<'a> {
+        &self.resources
+    }
+
     /// Returns the number of sun positions in an interval.
     pub fn steps(&self, archive: &Archive) -> usize {
         self.weather.steps_of(archive.manifest().settings.steps())
@@ -72,8 +76,8 @@ impl<'a> Light<'a> {
         self.request.stamp
     }
 
-    pub fn interval_minutes(&self) -> f64 {
-        60.0 * self.weather.interval_hours
+    pub fn interval_hours(&self) -> f64 {
+        self.weather.interval_hours
     }
 
     /// Returns notes for readers of times.
@@ -86,11 +90,6 @@ impl<'a> Light<'a> {
     /// Returns the labels of the months.
     pub fn month_labels(&self, archive: &Archive) -> Result<Vec<String>> {
         Ok(self.hours(archive)?.by(Every::Month).labels.text)
-    }
-
-    /// Returns the labels of the hours.
-    pub fn hour_labels(&self, archive: &Archive) -> Result<BinLabels> {
-        Ok(self.hours(archive)?.labels.clone())
     }
 
     /// Returns the numbers of days that have rows, of all months and of each.
@@ -166,7 +165,7 @@ impl<'a> Light<'a> {
     }
 
     /// Returns the suns and skies of the rows that count.
-    fn hours(&self, archive: &Archive) -> Result<Rc<Series>> {
+    pub fn hours(&self, archive: &Archive) -> Result<Rc<Series>> {
         let steps = self.steps(archive);
         let mut kept = self.kept.borrow_mut();
         if let Some((_, series)) = kept.as_ref().filter(|(of, _)| *of == steps) {

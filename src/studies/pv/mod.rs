@@ -1,23 +1,28 @@
 //! Light on solar modules and on the ground among them. In: a scene, weather, places. Out: a folder
-//! with sums, hours, shading losses, horizons and, if requested, the best orientations. The engine
-//! computes light up to the module; electrical models are left to pvlib.
+//! with sums, hours, shading losses, horizons and, if requested, the best orientations and the
+//! energy of the array.
 
 mod aside;
+mod energy;
 mod folder;
 mod ground;
 mod light;
 mod modules;
 mod open_plain;
+mod pvwatts;
 mod request;
 mod search;
+mod shade;
 mod spots;
 mod summary;
 mod tables;
+mod worth;
 
 use std::fs;
 use std::path::PathBuf;
 
 use crate::site_build::{FolderOption, SiteBuild, SiteFolder};
+use energy::{Plant, WeatherRows};
 use folder::PvFolder;
 use ground::GroundSpot;
 use heliotile_builder::pipeline::PreparedScene;
@@ -25,6 +30,7 @@ use heliotile_builder::siting::Siting;
 use heliotile_core::error::{Error, Result, check_ranges};
 use heliotile_core::observer::Observer;
 use heliotile_core::site::north::North;
+use heliotile_core::weather::options::WeatherOptions;
 use heliotile_results::outputs::provenance::Provenance;
 use heliotile_results::resources::Resources;
 use heliotile_scene::Scene;
@@ -39,8 +45,10 @@ use modules::{GEOMETRY, LaidRows, MATERIALS};
 use spots::Spots;
 use tables::Results;
 
+pub use energy::{EnergyRequest, Mounting};
 pub use request::PvRequest;
 pub(crate) use spots::placed;
+pub use worth::Price;
 
 /// Result of a study.
 #[derive(Clone, Debug)]
@@ -65,6 +73,14 @@ impl ModuleSource {
     /// Returns true if receivers on the ground are requested.
     fn has_ground(&self) -> bool {
         matches!(self, ModuleSource::Rows(all) if all.iter().any(|rows| rows.ground_step_m.is_some()))
+    }
+
+    /// Returns true if modules state a rated power.
+    fn has_power(&self) -> bool {
+        match self {
+            ModuleSource::Points(points) => points.iter().any(|point| point.rating.kwp.is_some()),
+            ModuleSource::Rows(all) => all.iter().any(|rows| rows.rating.kwp.is_some()),
+        }
     }
 }
 
@@ -94,12 +110,14 @@ fn run(request: &PvRequest, about: Provenance, resources: &Resources) -> Result<
     let observer = resources.observer;
     let mut site = request.scene.site()?;
     let wanted = request.wanted(observer)?;
-    let files = PvFolder::new(request, wanted.has_ground());
+    let has_power = request.energy.kwp.is_some() || wanted.has_power();
+    let files = PvFolder::new(request, wanted.has_ground(), has_power);
     files.guard(&site, request)?;
     // Weather is read before the scene, which takes longer: a wrong weather file fails at once.
     let mut loaded = None;
     let mut place = || Ok(loaded.insert(load(&site, &wanted, observer)?).0.place);
-    let weather = resources.weather(&request.weather, &request.about_weather, &mut place)?;
+    let about_weather = WeatherOptions { with_air: has_power, ..request.about_weather };
+    let weather = resources.weather(&request.weather, &about_weather, &mut place)?;
     files.check_weather(&weather, request)?;
     let (scene, soup) = loaded.map_or_else(|| load(&site, &wanted, observer), Ok)?;
     scene.place.and_then(|place| far_apart(&place, &weather)).iter().for_each(|apart| observer.warn(apart));
@@ -124,6 +142,9 @@ fn run(request: &PvRequest, about: Provenance, resources: &Resources) -> Result<
         Some(laid) => GroundSpot::among(request.modules_file(), laid, &siting, observer)?,
         None => Vec::new(),
     };
+    let modules_file = request.modules_file();
+    let weather_rows = WeatherRows { file: &request.weather, weather: &weather, dated: &dated };
+    let plant = Plant::new(&request.energy, modules_file, &spots.list, weather_rows, resources)?;
     fs::create_dir_all(&files.folder).map_err(Error::io(&files.folder, "create"))?;
     let beside = tempfile::Builder::new().prefix(".pv").tempdir_in(&files.folder);
     let beside = beside.map_err(Error::io(&files.folder, "make a folder in"))?;
@@ -174,12 +195,13 @@ fn run(request: &PvRequest, about: Provenance, resources: &Resources) -> Result<
         ground: &ground,
         about: &about,
     };
-    let (sides, on_ground) = results.write(&scene, &siting, north)?;
+    let (sides, on_ground, energy) = results.write(&scene, &siting, north, plant)?;
     if request.search {
         results.write_search(&searched)?;
     }
     light.notes(request).iter().for_each(|text| observer.note(text));
-    let table = summary::table(&sides, &searched, &on_ground, &request.weather);
+    let mut table = summary::table(&sides, &searched, &on_ground, &request.weather);
+    table.extend(energy.map(|energy| format!("\n{}", energy.sentence())));
     Ok(PvDone { files: files.names(request), folder: files.folder, archive: files.archive, table })
 }
 

@@ -9,7 +9,6 @@ use glam::{DVec2, DVec3};
 use heliotile_builder::siting::Siting;
 use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::observer::Observer;
-use heliotile_core::orientation::fan::Orientation;
 use heliotile_core::site::north::North;
 use heliotile_core::text::{counted, message};
 use heliotile_results::outputs::sink::write_texts;
@@ -109,11 +108,9 @@ impl LaidRows {
         &self.fields
     }
 
-    /// Returns all modules, with the orientation and the number of receivers of their rows.
-    pub fn modules(&self) -> impl Iterator<Item = (&Module, Orientation, usize)> {
-        self.fields
-            .iter()
-            .flat_map(|Field { rows, modules, .. }| modules.iter().map(|module| (module, rows.turn, rows.samples)))
+    /// Returns all modules, with their rows.
+    pub fn modules(&self) -> impl Iterator<Item = (&Module, &RowsOfModules)> {
+        self.fields.iter().flat_map(|Field { rows, modules, .. }| modules.iter().map(move |module| (module, rows)))
     }
 
     /// Writes the modules into a folder and adds them to a site.

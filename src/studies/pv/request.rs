@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::energy::EnergyRequest;
 use heliotile_builder::planning::AccuracyRequest;
 use heliotile_core::orientation::fan::OrientationLimits;
 use heliotile_core::replay::reflectances::Snow;
@@ -39,8 +40,11 @@ pub struct PvRequest {
     /// poa_global and the gain.
     #[field(default = 0.8, range = 0.0..=1.0, says = "give a share from 0 to 1, as in 0.8")]
     pub bifaciality: f64,
-    /// Folder to write: points.csv, months.csv, ground.csv, ground_months.csv, hourly.csv,
-    /// horizon/, best.csv and the archive site.helio.
+    /// Electrical energy and its worth.
+    #[field(flatten, heading = "Energy")]
+    pub energy: EnergyRequest,
+    /// Folder to write: points.csv, months.csv, ground.csv, ground_months.csv, energy.csv,
+    /// energy_months.csv, hourly.csv, horizon/, best.csv and the archive site.helio.
     #[field(name = "output", short = 'o', metavar = "FOLDER", output = Folder(&[]), required)]
     pub folder: PathBuf,
     /// Find the best tilt and azimuth of every point: best.csv, search.csv and a picture of each;
@@ -54,6 +58,10 @@ pub struct PvRequest {
     /// 300..60 through north, or one azimuth.
     #[field(metavar = "FROM..TO", default = "0..360", parse = parse_azimuths)]
     pub azimuths_deg: [f64; 2],
+    /// Write the shade of the whole array into the folder shade/: the share of the sun's beam that
+    /// arrives, by azimuth and altitude, and the layouts of SAM, PVGIS, Forecast.Solar and
+    /// Open-Meteo Solar Forecast.
+    pub shade: bool,
     /// Model of the sky's radiance distribution.
     #[field(help = SkyModel::described, default = "perez")]
     pub sky: SkyModel,

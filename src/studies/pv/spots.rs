@@ -13,12 +13,14 @@ use heliotile_builder::siting::{Enclosed, Siting};
 use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::orientation::fan::Orientation;
 use heliotile_core::site::north::North;
+use heliotile_results::outputs::pv::energy::ARRAY;
 use heliotile_results::outputs::pv::search::PointSearch;
 use heliotile_results::outputs::sink::Sink;
 use heliotile_scene::Scene;
-use heliotile_scene::points::places::{PlacePoint, PointHeight};
+use heliotile_scene::points::places::{PlacePoint, PointHeight, Rating};
 use heliotile_scene::points::rows::ONE_DIRECTION;
 use heliotile_scene::pv::layout::Module;
+use heliotile_scene::pv::rows::RowsOfModules;
 
 /// Place of a module or a point.
 #[derive(Clone, Debug)]
@@ -33,6 +35,8 @@ pub struct Spot {
     found: Option<Orientation>,
     /// Material of the ground below.
     pub ground: Option<u16>,
+    /// Rated power and string.
+    pub rating: Rating,
     /// Sides: one of a point, front and rear of a module.
     pub sides: Vec<SpotSide>,
 }
@@ -43,25 +47,35 @@ pub struct SpotSide {
     /// `front`, `rear`, or empty.
     pub name: &'static str,
     pub receivers: Vec<(String, DVec3)>,
+    /// Area that each receiver stands for, m2, if it is known.
+    pub area_m2: Option<f64>,
 }
 
 impl Spot {
     /// Returns a point without an orientation.
     pub fn at(name: &str, position: DVec3, ground: Option<u16>) -> Self {
-        let side = SpotSide { name: "", receivers: vec![(name.to_owned(), position)] };
-        Spot { name: name.to_owned(), position, given: None, found: None, ground, sides: vec![side] }
+        let side = SpotSide { name: "", receivers: vec![(name.to_owned(), position)], area_m2: None };
+        Spot {
+            name: name.to_owned(),
+            position,
+            given: None,
+            found: None,
+            ground,
+            rating: Rating::default(),
+            sides: vec![side],
+        }
     }
 
-    /// Returns a module with its two sides; `turn` is the orientation of its front.
-    fn of_module(module: &Module, turn: Orientation, samples: usize, ground: Option<u16>) -> Self {
+    /// Returns a module of rows with its two sides.
+    fn of_module(module: &Module, rows: &RowsOfModules, ground: Option<u16>) -> Self {
         let side = |name: &'static str| {
-            let points = module.points(name == "rear", samples, OFF_M).into_iter().enumerate();
+            let points = module.points(name == "rear", rows.samples, OFF_M).into_iter().enumerate();
             let receivers = points.map(|(i, p)| (format!("{}/{name}/{}", module.name, i + 1), p)).collect();
-            SpotSide { name, receivers }
+            SpotSide { name, receivers, area_m2: Some(rows.width_m * rows.height_m / rows.samples as f64) }
         };
         let sides = vec![side("front"), side("rear")];
-        let name = module.name.clone();
-        Spot { name, position: module.middle(), given: Some(turn), found: None, ground, sides }
+        let (name, rating) = (module.name.clone(), rows.rating.clone());
+        Spot { name, position: module.middle(), given: Some(rows.turn), found: None, ground, rating, sides }
     }
 
     /// Returns the orientation of the front, which is flat while unknown.
@@ -103,16 +117,16 @@ impl Spots {
         let spot = |point: &PlacePoint| {
             let given = point.facing.map(|facing| facing.turn(site, azimuths_from)).transpose();
             let given = given.map_err(|what| Error::input(table, point.line, what, ONE_DIRECTION))?;
-            Ok(Spot { given, ..placed(table, point, siting)? })
+            Ok(Spot { given, rating: point.rating.clone(), ..placed(table, point, siting)? })
         };
         let list = points.iter().map(spot).collect::<Result<Vec<Spot>>>()?;
         Ok(Spots::new(list))
     }
 
-    /// Returns the modules of rows, each with its orientation and its number of receivers a side.
-    pub fn of_modules<'m>(modules: impl Iterator<Item = (&'m Module, Orientation, usize)>, siting: &Siting) -> Self {
+    /// Returns the modules of rows.
+    pub fn of_modules<'m>(modules: impl Iterator<Item = (&'m Module, &'m RowsOfModules)>, siting: &Siting) -> Self {
         let ground = |module: &Module| siting.ground_below(module.middle()).map(|ground| ground.material);
-        let spot = |(module, turn, samples)| Spot::of_module(module, turn, samples, ground(module));
+        let spot = |(module, rows)| Spot::of_module(module, rows, ground(module));
         Spots::new(modules.map(spot).collect())
     }
 
@@ -133,21 +147,33 @@ impl Spots {
         let file = folder.join("receivers.csv");
         let mut sink = Sink::file(&file)?;
         let mut write = || -> std::io::Result<()> {
-            writeln!(sink, "receiver,x,y,z,nx,ny,nz")?;
-            let mut row = |id: &str, p: DVec3, n: DVec3| {
-                // Names are always quoted, so that any characters are safe.
-                let name = id.replace('"', "\"\"");
-                writeln!(sink, "\"{name}\",{},{},{},{},{},{}", p.x, p.y, p.z, n.x, n.y, n.z)
+            writeln!(sink, "receiver,x,y,z,nx,ny,nz,area_m2,surface,object,kind")?;
+            // Names are always quoted, so that any characters are safe.
+            let quoted = |name: &str| format!("\"{}\"", name.replace('"', "\"\""));
+            let mut row = |id: &str, p: DVec3, n: DVec3, area: &str, part: [&str; 3]| {
+                let (id, part) = (quoted(id), part.map(quoted).join(","));
+                writeln!(sink, "{id},{},{},{},{},{},{},{area},{part}", p.x, p.y, p.z, n.x, n.y, n.z)
             };
             for spot in &self.list {
+                let string = if spot.rating.string.is_empty() { ARRAY } else { &spot.rating.string };
                 for side in &spot.sides {
                     let n = north.to_axes(spot.turn_of(side).normal());
+                    let area = side.area_m2.map_or(String::new(), |area_m2| area_m2.to_string());
+                    // The rear is no part of the string: its light is not that of the front.
+                    let (object, kind) = match side.name {
+                        "rear" => (format!("{string} rear"), "module_rear"),
+                        _ => (string.to_owned(), "module"),
+                    };
+                    let surface = [spot.name.as_str(), side.name].join(" ");
                     for (id, p) in &side.receivers {
-                        row(id, *p, n)?;
+                        row(id, *p, n, &area, [surface.trim_end(), &object, kind])?;
                     }
                 }
             }
-            ground.iter().try_for_each(|spot| row(&spot.place.name, spot.place.position, DVec3::Z))
+            ground.iter().try_for_each(|spot| {
+                let part = [&format!("{} ground", spot.rows), &spot.rows, "ground"];
+                row(&spot.place.name, spot.place.position, DVec3::Z, "", part)
+            })
         };
         write().map_err(Error::io(&file, "write to"))?;
         sink.finish()?;

@@ -4,11 +4,13 @@
 use std::collections::{HashMap, HashSet};
 use std::fs;
 
+use super::energy::{Plant, SideLight};
 use super::folder::PvFolder;
 use super::ground::GroundSpot;
 use super::light::Light;
 use super::open_plain::OpenPlain;
 use super::request::PvRequest;
+use super::shade::map_of;
 use super::spots::{Spot, SpotSide, Spots};
 use heliotile_archives::transfer::ArchiveReceivers;
 use heliotile_builder::siting::Siting;
@@ -18,6 +20,7 @@ use heliotile_core::opened::OpenSite;
 use heliotile_core::orientation::fan::Orientation;
 use heliotile_core::site::north::North;
 use heliotile_results::outputs::provenance::Provenance;
+use heliotile_results::outputs::pv::energy::EnergySums;
 use heliotile_results::outputs::pv::ground::{GroundSums, PlantLight, SumsOnGround, write_ground, write_ground_months};
 use heliotile_results::outputs::pv::horizon::{self, PointHorizon};
 use heliotile_results::outputs::pv::hourly::{HourlyTable, ONE_SIDE, SideHours, TWO_SIDES};
@@ -25,6 +28,7 @@ use heliotile_results::outputs::pv::polar;
 use heliotile_results::outputs::pv::search::{PointSearch, write_all, write_best};
 use heliotile_results::outputs::pv::sums::{MonthlySums, SideSums, write_months, write_points};
 use heliotile_results::outputs::sink::write_texts;
+use heliotile_results::outputs::tables::bin_labels::BinLabels;
 use heliotile_scene::Scene;
 
 /// Number of directions of a horizon.
@@ -49,9 +53,15 @@ pub struct Results<'a, 'l> {
 }
 
 impl Results<'_, '_> {
-    /// Writes sums, hours and horizons, and returns the sums of sides and of the ground. `scene` is
-    /// the one without modules.
-    pub fn write(&self, scene: &Scene, siting: &Siting, north: North) -> Result<(Vec<SideSums>, SumsOnGround)> {
+    /// Writes sums, hours, horizons and energy, and returns the sums of sides, of the ground and of
+    /// the energy. `scene` is the one without modules.
+    pub fn write(
+        &self,
+        scene: &Scene,
+        siting: &Siting,
+        north: North,
+        plant: Option<Plant>,
+    ) -> Result<(Vec<SideSums>, SumsOnGround, Option<EnergySums>)> {
         let (files, about) = (self.files, self.about);
         let has_horizons = self.request.points.is_some();
         let of_receiver = self.of_receivers()?;
@@ -73,10 +83,17 @@ impl Results<'_, '_> {
             write_ground(places, &ground, about)?;
             write_ground_months(by_month, &ground, &months, about)?;
         }
-        if self.request.hourly {
-            self.write_hours()?;
+        if self.request.shade {
+            let map = map_of(&self.spots.list, self.archive, self.light.resources())?;
+            fs::create_dir_all(&files.shade).map_err(Error::io(&files.shade, "create"))?;
+            map.write(&files.shade, about)?;
         }
-        Ok((sides, ground))
+        let energy = self.write_hours(plant)?;
+        if let (Some(energy), Some([strings, by_month])) = (&energy, &files.energy) {
+            energy.write(strings, about)?;
+            energy.write_months(by_month, about)?;
+        }
+        Ok((sides, ground, energy))
     }
 
     /// Writes the results of a search.
@@ -190,17 +207,17 @@ impl Results<'_, '_> {
         Ok(SumsOnGround { places, days: self.light.days(self.archive)? })
     }
 
-    /// Writes the hours of every point and module. Memory holds only modules of which some
-    /// receivers are still to come, which are few: their receivers lie in neighbouring tiles.
-    fn write_hours(&self) -> Result<()> {
+    /// Writes the hours of every point and module, if they are wanted, and returns the energy of an
+    /// array. Memory holds only modules of which some receivers are still to come, which are few:
+    /// their receivers lie in neighbouring tiles.
+    fn write_hours(&self, mut plant: Option<Plant>) -> Result<Option<EnergySums>> {
         let light = self.light;
-        let labels = light.hour_labels(self.archive)?;
-        let about =
-            self.about.clone().with("stamp", light.stamp().name()).with("interval_minutes", light.interval_minutes());
-        let columns: &[&str] = if self.request.points.is_some() { &ONE_SIDE } else { &TWO_SIDES };
-        let points = self.spots.list.len() as u64;
-        let mut table = HourlyTable::create(&self.files.hours, columns, &labels, points, &about)?;
-        let bifaciality = self.request.bifaciality as f32;
+        if plant.is_none() && !self.request.hourly {
+            return Ok(None);
+        }
+        let series = light.hours(self.archive)?;
+        let mut table = self.request.hourly.then(|| self.hourly_table(&series.labels)).transpose()?;
+        let bifaciality = self.request.bifaciality;
         let mut open: HashMap<usize, (usize, Vec<SideHours>)> = HashMap::new();
         light.hourly(self.archive, |id, hours| {
             let Some((place, side)) = self.spots.of_receiver(id) else { return Ok(()) };
@@ -213,12 +230,29 @@ impl Results<'_, '_> {
             if *seen < spot.sides.iter().map(|side| side.receivers.len()).sum() {
                 return Ok(());
             }
-            match open.remove(&place).map(|(_, sides)| sides).as_deref() {
-                Some([front, rear]) => table.write(&spot.name, &front.with_rear(rear, bifaciality)),
-                Some([one]) => table.write(&spot.name, &one.one_side()),
+            let Some((_, sides)) = open.remove(&place) else { return Ok(()) };
+            if let Some(plant) = &mut plant {
+                let shares = [1.0, bifaciality];
+                let sides = sides.iter().zip(&spot.sides).zip(shares);
+                let side = |((hours, side), share)| SideLight { hours, turn: spot.turn_of(side), share };
+                plant.add(place, &sides.map(side).collect::<Vec<_>>(), &series);
+            }
+            match (&mut table, sides.as_slice()) {
+                (Some(table), [front, rear]) => table.write(&spot.name, &front.with_rear(rear, bifaciality as f32)),
+                (Some(table), [one]) => table.write(&spot.name, &one.one_side()),
                 _ => Ok(()),
             }
         })?;
-        table.finish()
+        table.map_or(Ok(()), HourlyTable::finish)?;
+        Ok(plant.map(|plant| plant.sums(&series, light.interval_hours())))
+    }
+
+    /// Starts the table of hours.
+    fn hourly_table(&self, labels: &BinLabels) -> Result<HourlyTable> {
+        let light = self.light;
+        let about = self.about.clone().with("stamp", light.stamp().name());
+        let about = about.with("interval_minutes", 60.0 * light.interval_hours());
+        let columns: &[&str] = if self.request.points.is_some() { &ONE_SIDE } else { &TWO_SIDES };
+        HourlyTable::create(&self.files.hours, columns, labels, self.spots.list.len() as u64, &about)
     }
 }

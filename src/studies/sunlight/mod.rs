@@ -3,7 +3,7 @@
 //!
 //! Nothing is replayed: the path of the sun is followed through the sky textures
 //! ([`heliotile_sunlight`]). Clouds are ignored unless a rule counts probable hours. Leaves
-//! and screens block nothing.
+//! and screens hide the sun only if the request says so.
 
 mod calendar;
 mod columns;
@@ -19,6 +19,7 @@ mod places;
 mod request;
 mod rule;
 mod rule_files;
+mod trees;
 
 pub use calendar::DaySpan;
 pub use glare::GlareChoice;
@@ -26,3 +27,4 @@ pub use heliotile_core::weather::time::clock_zone::ClockZone;
 pub use request::{RuleCount, SunlightDone, SunlightRequest, SunlightSite};
 pub use rule::{ClockHours, DaysTogether, LitPart, Rule, RuleClock, RuleMeasure, Threshold};
 pub use rule_files::{ShippedRules, shipped_rules};
+pub use trees::TreesBeforeSun;

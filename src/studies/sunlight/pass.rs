@@ -10,6 +10,7 @@ use super::groups::{GroupAnswers, check_middles};
 use super::panes::PaneList;
 use super::places::{PlaceAnswer, PlaceQuestions, RowSubject};
 use super::request::{RuleCount, SunlightDone, SunlightRequest, SunlightSite};
+use super::trees::TreesBeforeSun;
 use heliotile_core::archive::format;
 use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::hemisphere::HEMISPHERE_SR;
@@ -96,6 +97,7 @@ impl SunlightRequest {
             panes: wants_spells.then_some(&panes),
             asked: &asked,
             least_altitude_deg: self.least_altitude_deg,
+            trees: self.trees,
             exact: self.exact,
             is_of_groups: groups.is_some(),
         };
@@ -242,8 +244,12 @@ impl SunlightRequest {
             ));
         }
         let has_leaves = archives.iter().any(|archive| !archive.entries_of(format::CANOPY).is_empty());
-        if has_leaves {
-            observer.note("hours of sun are calculated without the shade of leaves and screens");
+        if has_leaves && self.glare.is_none() && self.trees == TreesBeforeSun::Ignore {
+            observer
+                .note("leaves and screens do not hide the sun here; {command:sunlight} has {trees} opaque and half");
+        }
+        if !has_leaves && self.trees != TreesBeforeSun::Ignore {
+            observer.warn("the archive has no leaves and no screens: {trees} changes nothing");
         }
     }
 }

@@ -12,10 +12,13 @@ use super::glare::{GlareSpell, SpellTeller};
 use super::measure::RuleValue;
 use super::panes::{PaneList, ScenePanes};
 use super::rule::{LitPart, RuleMeasure};
+use super::trees::TreesBeforeSun;
 use heliotile_builder::pipeline::PreparedScene;
 use heliotile_builder::siting::{MirrorObserver, MirrorRays, Siting};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::hemisphere::HEMISPHERE_SR;
+use heliotile_core::layers::canopy::Powers;
+use heliotile_core::light::canopies::stored;
 use heliotile_core::light::mirrors::MirrorTable;
 use heliotile_core::memory::Use;
 use heliotile_core::site::chain::Chain;
@@ -82,6 +85,8 @@ pub struct PlaceQuestions<'a> {
     pub asked: &'a RowSubject,
     /// Least altitude of the sun, degrees, at which it counts. Rules have altitudes of their own.
     pub least_altitude_deg: f64,
+    /// What canopies do to the sun itself.
+    pub trees: TreesBeforeSun,
     /// Angles of glare that counts, if rows of days are about glare instead of the sun itself.
     pub glare: Option<GlareAngles>,
     /// Collector of the panes, if spells of glare are requested.
@@ -108,6 +113,8 @@ struct PartQuestions<'p> {
     sky: Option<SkyComponents<'p>>,
     /// True if the sun itself is needed.
     wants_sun: bool,
+    /// Shares of light that canopies let through.
+    powers: Powers,
     rays: Option<Siting<'p>>,
     mirrors: Option<PartMirrors<'p>>,
 }
@@ -159,6 +166,7 @@ impl PlaceQuestions<'_> {
                 high,
                 sky: self.wants_sky().then(|| SkyComponents::new(&part.site)).transpose()?,
                 wants_sun: self.wants(false),
+                powers: stored(part.site.materials()),
                 rays: prepared.as_ref().filter(|_| self.exact).map(Siting::new),
                 mirrors: self.wants(true).then(|| self.mirrors(part, prepared.as_ref())).transpose()?,
             };
@@ -240,7 +248,14 @@ impl PartQuestions<'_> {
         let site = &self.part.site;
         let table = site.tile_receivers(tile.number)?;
         let receivers = site.tile_parts(tile.number, &table)?;
-        let skies = if self.wants_sun { site.tile_sky(tile.number, receivers.len())? } else { Vec::new() };
+        let mut skies = if self.wants_sun { site.tile_sky(tile.number, receivers.len())? } else { Vec::new() };
+        if self.all.trees != TreesBeforeSun::Ignore {
+            let canopies = site.tile_canopies(tile.number, receivers.len())?;
+            for (sky, canopy) in skies.iter_mut().zip(&canopies) {
+                let hidden = self.all.trees.hide(sky, canopy, &self.powers, site.settings());
+                hidden.into_iter().for_each(|left| *sky = left);
+            }
+        }
         let mirrors = self.mirrors.as_ref();
         let mirrors = mirrors.map(|of| TileMirrors::read(site, tile.number, receivers.len(), &of.table)).transpose()?;
         let vsc = self.sky.as_ref().and_then(|sky| sky.tiles([tile.number]).next()).transpose()?;

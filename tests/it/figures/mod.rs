@@ -11,6 +11,7 @@
 
 mod output;
 mod page;
+mod prose;
 
 use std::collections::BTreeMap;
 use std::fs;

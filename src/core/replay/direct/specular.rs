@@ -1,9 +1,11 @@
 //! The sky and the sun that a receiver sees in mirrors. In: the receiver's windows. Out: specular
 //! irradiance from suns and sky patches.
 
-use glam::DVec3;
+use std::collections::BTreeMap;
 
-use crate::hemisphere::texel_of;
+use glam::{DVec2, DVec3};
+
+use crate::hemisphere::{texel_direction, texel_of};
 use crate::layers::mirror::Window;
 use crate::layers::sides::TextureSides;
 use crate::layers::sky_bitmap::{BaseTexel, SkyBitmap, Texel};
@@ -82,6 +84,18 @@ impl MirrorView {
         let (column, row) = (column.wrapping_sub(self.column * block), row.wrapping_sub(self.row * block));
         let side = self.sky.side() * block;
         column < side && row < side && self.sky.get(column, row)
+    }
+
+    /// Splits the window by what `of` tells of the directions in which the middles of its base
+    /// texels are seen.
+    pub fn split<K: Ord>(&self, of: impl Fn(DVec3) -> K) -> BTreeMap<K, MirrorView> {
+        let (side, whole) = (self.sky.side(), self.whole_base());
+        let seen = |texel: usize| {
+            let (column, row) = (self.column + texel % side, self.row + texel / side);
+            of(self.reflection.mirrored(texel_direction(column, row, whole, DVec2::splat(0.5))))
+        };
+        let parts = self.sky.split(seen).into_iter();
+        parts.map(|(key, sky)| (key, MirrorView { sky, reflection: self.reflection.clone(), ..*self })).collect()
     }
 
     /// Returns the fine texels (column, row) of the whole sky that are seen.

@@ -30,7 +30,7 @@ pub struct Stack {
 
 /// Size of the page, pixels.
 const SIZE: (f64, f64) = (900.0, 500.0);
-/// Frame of the bars.
+/// Frame of the bars below a legend of one row.
 const FRAME: Frame = Frame { left: 72.0, right: 880.0, top: 92.0, bottom: 452.0 };
 
 impl Bars {
@@ -50,10 +50,12 @@ impl Bars {
         let middle = |(bar, label): (usize, &String)| ((bar as f64 + 0.5) / count, label.clone());
         let labels: Vec<(f64, String)> = self.labels.iter().enumerate().map(middle).collect();
 
-        let mut page = Svg::new(SIZE.0, SIZE.1);
+        let lower = self.legend(&mut Svg::new(SIZE.0, SIZE.1));
+        let frame = Frame { top: FRAME.top + lower, bottom: FRAME.bottom + lower, ..FRAME };
+        let mut page = Svg::new(SIZE.0, SIZE.1 + lower);
         page.heading(&self.title, &self.called);
-        page.axis(&FRAME, Axis::Left, &ticks, true);
-        page.axis(&FRAME, Axis::Below, &labels, false);
+        page.axis(&frame, Axis::Left, &ticks, true);
+        page.axis(&frame, Axis::Below, &labels, false);
         let gap = if count > 60.0 { 0.0 } else { 0.14 };
         for bar in 0..self.labels.len() {
             let [from, to] = [bar as f64 + gap, (bar + 1) as f64 - gap].map(|at| at / count);
@@ -61,21 +63,22 @@ impl Bars {
             for stack in &self.stacks {
                 let share = self.height(stack, bar) / whole;
                 if share > 0.0 {
-                    page.rectangle([FRAME.at(from, below + share), FRAME.at(to, below)], stack.colour);
+                    page.rectangle([frame.at(from, below + share), frame.at(to, below)], stack.colour);
                     below += share;
                 } else if share < 0.0 {
-                    page.rectangle([FRAME.at(from, above), FRAME.at(to, above + share)], stack.colour);
+                    page.rectangle([frame.at(from, above), frame.at(to, above + share)], stack.colour);
                     above += share;
                 }
             }
         }
-        page.line(&[FRAME.at(0.0, zero), FRAME.at(1.0, zero)], 1.0, BLACK);
+        page.line(&[frame.at(0.0, zero), frame.at(1.0, zero)], 1.0, BLACK);
         self.legend(&mut page);
         page.finish()
     }
 
-    /// Draws the unit, and the names of the visible parts, in a row above the bars.
-    fn legend(&self, page: &mut Svg) {
+    /// Draws the unit, and the names of the visible parts, in rows above the bars; returns the
+    /// height of all rows but the first, pixels.
+    fn legend(&self, page: &mut Svg) -> f64 {
         let y = FRAME.top - 18.0;
         page.text(&self.unit, (16.0, y), LETTERS, Side::Left, BLACK);
         let x = 36.0 + LETTERS * wide(&self.unit);
@@ -83,9 +86,11 @@ impl Bars {
         let is_there = |stack: &&Stack| bars.clone().any(|bar| self.height(stack, bar) != 0.0);
         let there = || self.stacks.iter().filter(is_there);
         let names: Vec<&str> = there().map(|stack| stack.name.as_str()).collect();
-        for (stack, (x, y)) in there().zip(page.legend((x, y), &names)) {
-            page.rectangle([(x, y - 6.0), (x + SWATCH, y + 6.0)], stack.colour);
+        let places = page.legend((x, y), &names);
+        for (stack, (x, y)) in there().zip(&places) {
+            page.rectangle([(*x, y - 6.0), (x + SWATCH, y + 6.0)], stack.colour);
         }
+        places.last().map_or(0.0, |last| last.1 - y)
     }
 
     /// Returns the height of a part of a bar; a value that is no number has none.
@@ -129,6 +134,33 @@ mod tests {
             assert!((height - value).abs() < 0.05, "{heights:?}");
         }
         assert_eq!(number(rects[0], "y"), number(rects[1], "y") + number(rects[1], "height"));
+    }
+
+    /// Names of many parts take several rows, and the bars begin below them.
+    #[test]
+    fn bars_stand_below_the_legend() {
+        let stack =
+            |i: u8| Stack { name: "a rather long name of a house".into(), colour: [i, 7, 7], values: vec![1.0] };
+        let bars = Bars {
+            title: String::new(),
+            called: String::new(),
+            unit: String::new(),
+            labels: vec!["a".into()],
+            stacks: (1..=8).map(stack).collect(),
+            scale: ColourScale::FromZero,
+        };
+        let svg = bars.svg();
+        let ys = |of: &str| -> Vec<f64> {
+            let lines = svg.lines().filter(|line| line.starts_with(of));
+            let y = |line: &str| line.split_once(" y=\"").and_then(|rest| rest.1.split('"').next()?.parse().ok());
+            lines.filter_map(y).collect()
+        };
+        // The last rectangles are the swatches of the legend.
+        let rects = ys("<rect");
+        let (drawn, swatches) = rects.split_at(rects.len() - 8);
+        let lowest = swatches.iter().copied().fold(0.0, f64::max) + 12.0;
+        let highest = drawn[drawn.len() - 8..].iter().copied().fold(f64::INFINITY, f64::min);
+        assert!(swatches[0] < swatches[7] && highest > lowest, "{highest} {lowest}");
     }
 
     /// A gain of 40 stands above the zero line and a loss of 10 hangs below it, on an axis from -40

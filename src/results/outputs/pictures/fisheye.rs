@@ -57,13 +57,30 @@ pub struct Overlay {
     pub sun: Option<DVec3>,
     /// True north in the view's axes, for paths and sun.
     pub north: North,
+    /// Colours of surfaces by direction, in place of those of classes, and their names.
+    pub tint: Option<Tint>,
 }
+
+/// Colours of what is seen before the sky.
+pub struct Tint {
+    /// Colour in a direction.
+    pub at: Box<dyn Fn(DVec3) -> Rgb + Sync>,
+    /// Name of each colour, at most [`TINTS`].
+    pub names: Vec<(String, Rgb)>,
+}
+
+/// Largest number of colours with names.
+pub const TINTS: usize = 8;
 
 /// Returns the picture as PNG.
 pub fn fisheye(view: &ReceiverView, overlay: &Overlay, provenance: &Provenance) -> Result<Vec<u8>> {
     let disc = SkyDisc::new(view);
     let at = |x: f64, y: f64| SkyDisc::direction_at((x - CENTRE.0) / RADIUS, (CENTRE.1 - y) / RADIUS);
-    let paint = |x: f64, y: f64| at(x, y).map_or(PAPER, |direction| colour_of(disc.seen(direction)));
+    let colour = |direction: DVec3| match (disc.seen(direction), &overlay.tint) {
+        (Seen::Ground | Seen::Obstruction | Seen::Mirror, Some(tint)) => (tint.at)(direction),
+        (seen, _) => colour_of(seen),
+    };
+    let paint = |x: f64, y: f64| at(x, y).map_or(PAPER, colour);
     let mut canvas = Canvas::painted(SIZE.0, SIZE.1, paint);
     draw_grid(&mut canvas, overlay.north);
     if let Some((path, _)) = &overlay.path {
@@ -200,19 +217,24 @@ fn draw_words(canvas: &mut Canvas, view: &ReceiverView, overlay: &Overlay) {
     canvas.word("equidistant: rings of altitude", (right, 59.0), Side::Right, INK);
     let low = SIZE.1 as f64 - 22.0;
     let mirrors = view.has_mirrors().then_some((MIRROR, "mirror", 423.0));
-    for (colour, what, from) in [
+    let classes = [
         (SKY, "sky", 0.0),
         (OBSTRUCTION, "obstruction", 62.0),
         (GROUND, "ground", 182.0),
         (BEHIND, "behind the surface", 268.0),
-    ]
-    .into_iter()
-    .chain(mirrors)
-    {
+    ];
+    let is_shown = |colour: Rgb| overlay.tint.is_none() || colour == SKY || colour == BEHIND;
+    for (colour, what, from) in classes.into_iter().chain(mirrors).filter(|class| is_shown(class.0)) {
         let x = 20.0 + from;
         canvas.square((x, low - 6.0), 13.0, INK);
         canvas.square((x + 1.0, low - 5.0), 11.0, colour);
         canvas.word(what, (x + 18.0, low), Side::Left, INK);
+    }
+    for (i, (name, colour)) in overlay.tint.iter().flat_map(|tint| &tint.names).take(TINTS).enumerate() {
+        let (x, y) = (20.0 + 216.0 * (i % 4) as f64, low - 18.0 * (2.0 - (i / 4) as f64));
+        canvas.square((x, y - 6.0), 13.0, INK);
+        canvas.square((x + 1.0, y - 5.0), 11.0, *colour);
+        canvas.word(&name.chars().take(26).collect::<String>(), (x + 18.0, y), Side::Left, INK);
     }
     if let Some((_, clock)) = &overlay.path {
         canvas.word(clock, (right, low), Side::Right, DAY);

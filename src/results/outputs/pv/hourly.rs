@@ -40,8 +40,10 @@ const UNIT: &str = "W/m2";
 /// Light on one side, `[hour]`, W/m2.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SideHours {
-    /// Light of the sun, direct and by mirrors.
-    pub direct: Vec<f32>,
+    /// Light of the sun, direct.
+    pub sun: Vec<f32>,
+    /// Light of the sun by mirrors.
+    pub mirrored: Vec<f32>,
     /// Light of the sky, direct and by mirrors.
     pub sky: Vec<f32>,
     /// Light that ground and surroundings reflect diffusely.
@@ -53,7 +55,8 @@ impl SideHours {
     pub fn new<'v>(component: impl Fn(Component) -> &'v [f32]) -> Self {
         let both = |a: Component, b: Component| component(a).iter().zip(component(b)).map(|(a, b)| a + b).collect();
         SideHours {
-            direct: both(Component::SunDirect, Component::SunMirrored),
+            sun: component(Component::SunDirect).to_vec(),
+            mirrored: component(Component::SunMirrored).to_vec(),
             sky: both(Component::SkyDirect, Component::SkyMirrored),
             reflected: both(Component::SunReflected, Component::SkyReflected),
         }
@@ -61,18 +64,26 @@ impl SideHours {
 
     /// Adds `share` times the light of another side, hour by hour.
     pub fn add(&mut self, other: &SideHours, share: f32) {
-        let pairs = [(&mut self.direct, &other.direct), (&mut self.sky, &other.sky)];
-        for (sum, more) in pairs.into_iter().chain([(&mut self.reflected, &other.reflected)]) {
+        let pairs = [(&mut self.sun, &other.sun), (&mut self.mirrored, &other.mirrored)];
+        let more = [(&mut self.sky, &other.sky), (&mut self.reflected, &other.reflected)];
+        for (sum, more) in pairs.into_iter().chain(more) {
             sum.resize(more.len().max(sum.len()), 0.0);
             sum.iter_mut().zip(more).for_each(|(sum, value)| *sum += share * value);
         }
     }
 
+    /// Returns the direct light of the sun in an hour, and all other light, W/m2.
+    pub fn sun_and_rest(&self, hour: usize) -> [f64; 2] {
+        let at = |values: &[f32]| values.get(hour).copied().map_or(0.0, f64::from);
+        [at(&self.sun), at(&self.mirrored) + at(&self.sky) + at(&self.reflected)]
+    }
+
     /// Returns total, direct, diffuse, and the two parts of diffuse.
     fn columns(&self) -> [Vec<f32>; 5] {
+        let direct: Vec<f32> = self.sun.iter().zip(&self.mirrored).map(|(a, b)| a + b).collect();
         let diffuse: Vec<f32> = self.sky.iter().zip(&self.reflected).map(|(a, b)| a + b).collect();
-        let global = self.direct.iter().zip(&diffuse).map(|(a, b)| a + b).collect();
-        [global, self.direct.clone(), diffuse, self.sky.clone(), self.reflected.clone()]
+        let global = direct.iter().zip(&diffuse).map(|(a, b)| a + b).collect();
+        [global, direct, diffuse, self.sky.clone(), self.reflected.clone()]
     }
 
     /// Returns the columns of a point with one side, in the order of [`ONE_SIDE`].

@@ -1,0 +1,135 @@
+//! Energy of an array: a row for the array and each of its strings, and a row a month. In: sums by
+//! month. Out: `energy.csv`, `energy_months.csv`, a sentence.
+
+use std::path::Path;
+
+use super::sums::DECIMALS;
+use crate::outputs::provenance::Provenance;
+use crate::outputs::tables::column::Column;
+use crate::outputs::tables::records::Records;
+use crate::outputs::tables::table::Cell;
+use heliotile_core::error::Result;
+
+/// Name of the sum of all modules in the column of strings.
+pub const ARRAY: &str = "array";
+
+/// Columns of energy: DC before the inverter, AC, and what the inverter clips at its rating.
+pub const ENERGIES: [&str; 3] = ["dc_kwh", "ac_kwh", "clipped_kwh"];
+
+/// Hours of a common year.
+const YEAR_H: f64 = 8760.0;
+
+/// Energy of a string, or of the array.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StringEnergy {
+    pub name: String,
+    /// Rated power, kW.
+    pub kwp: f64,
+    /// Sums, `[month][column]`: [`ENERGIES`], kWh, then the columns of worth.
+    pub months: Vec<Vec<f64>>,
+}
+
+impl StringEnergy {
+    /// Returns the sums of all months.
+    fn all(&self) -> Vec<f64> {
+        let width = self.months.first().map_or(0, Vec::len);
+        (0..width).map(|column| self.months.iter().filter_map(|month| month.get(column)).sum()).collect()
+    }
+}
+
+/// Energy of an array and of its strings.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EnergySums {
+    /// Names of the columns of worth.
+    pub columns: Vec<String>,
+    /// The array, then its strings.
+    pub strings: Vec<StringEnergy>,
+    /// Labels of the months.
+    pub months: Vec<String>,
+    /// Number of hours of the sums.
+    pub hours: f64,
+}
+
+impl EnergySums {
+    /// Returns the columns of sums.
+    fn columns(&self) -> impl Iterator<Item = Column> + '_ {
+        let names = ENERGIES.into_iter().chain(self.columns.iter().map(String::as_str));
+        names.map(|name| Column::number(name, DECIMALS))
+    }
+
+    /// Writes a row for the array and for each string.
+    pub fn write(&self, path: &Path, about: &Provenance) -> Result<()> {
+        let mut columns = vec![Column::text("string"), Column::number("kwp", DECIMALS).with_unit("kW")];
+        columns.extend(self.columns());
+        columns.push(Column::number("ac_kwh_kwp", DECIMALS).with_unit("kWh/kW"));
+        let rows = self.strings.iter().map(|string| {
+            let sums = string.all();
+            let per_kwp = sums.get(1).filter(|_| string.kwp > 0.0).map(|ac_kwh| ac_kwh / string.kwp);
+            let texts = [Cell::from(&string.name), string.kwp.into()];
+            texts.into_iter().chain(sums.into_iter().map(Cell::from)).chain([per_kwp.into()]).collect()
+        });
+        let rows = rows.collect();
+        Records { columns, rows }.write(path, about).map(drop)
+    }
+
+    /// Writes a row for each month of the array and of each string.
+    pub fn write_months(&self, path: &Path, about: &Provenance) -> Result<()> {
+        let columns = ["string", "month"].map(Column::text).into_iter().chain(self.columns()).collect();
+        let rows = self.strings.iter().flat_map(|string| {
+            let months = self.months.iter().zip(&string.months);
+            months.map(|(label, sums)| {
+                let texts = [Cell::from(&string.name), label.into()];
+                texts.into_iter().chain(sums.iter().copied().map(Cell::from)).collect()
+            })
+        });
+        let rows = rows.collect();
+        Records { columns, rows }.write(path, about).map(drop)
+    }
+
+    /// Returns the energy of the array and its worth in a sentence.
+    pub fn sentence(&self) -> String {
+        let Some(array) = self.strings.first() else { return String::new() };
+        let sums = array.all();
+        let at = |column: usize| sums.get(column).copied().unwrap_or_default();
+        // Years of a file of several count alike; 29 February makes no other year.
+        let years = (self.hours / YEAR_H).round();
+        let is_years = years >= 1.0 && (self.hours / YEAR_H / years - 1.0).abs() < 0.01;
+        let (period, count) =
+            if is_years { ("a year".to_owned(), years) } else { (format!("in {:.0} hours", self.hours), 1.0) };
+        let energy = at(1) / count;
+        let mut text = format!(
+            "the array of {:.2} kWp gives {energy:.0} kWh {period} ({:.0} kWh per kWp)",
+            array.kwp,
+            energy / array.kwp
+        );
+        for (column, name) in (ENERGIES.len()..).zip(&self.columns) {
+            let unit = name.trim_start_matches("value").trim_start_matches('_');
+            text += &match name.as_str() {
+                "used_kwh" => format!("; {:.0} kWh {period} go to the load at once", at(column) / count),
+                _ => format!("; {:.2} {} {period}", at(column) / count, unit.to_uppercase()).replace("  ", " "),
+            };
+        }
+        text + "\n"
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two years of 4 kW and 8000 kWh AC at 2400 euros are 4000 kWh, 1000 kWh per kWp and 1200 EUR
+    /// a year; 72 hours are no year.
+    #[test]
+    fn the_sentence_is_of_a_year() {
+        let array = StringEnergy { name: ARRAY.into(), kwp: 4.0, months: vec![vec![4200.0, 4000.0, 1.0, 1200.0]; 2] };
+        let sums = EnergySums {
+            columns: vec!["value_eur".into()],
+            strings: vec![array],
+            months: vec!["01".into(), "02".into()],
+            hours: 17544.0,
+        };
+        let text = sums.sentence();
+        assert_eq!(text, "the array of 4.00 kWp gives 4000 kWh a year (1000 kWh per kWp); 1200.00 EUR a year\n");
+        assert!(EnergySums { hours: 72.0, ..sums }.sentence().contains("gives 8000 kWh in 72 hours"));
+    }
+}
