@@ -85,7 +85,7 @@ pub struct PlaceQuestions<'a> {
     pub asked: &'a RowSubject,
     /// Least altitude of the sun, degrees, at which it counts. Rules have altitudes of their own.
     pub least_altitude_deg: f64,
-    /// What canopies do to the sun itself.
+    /// Canopies before the sun itself.
     pub trees: TreesBeforeSun,
     /// Angles of glare that counts, if rows of days are about glare instead of the sun itself.
     pub glare: Option<GlareAngles>,

@@ -62,7 +62,7 @@ pub struct SunlightRequest {
     /// part of it].
     #[field(metavar = "SHARE", default = 0.0, range = 0.0..=1.0)]
     pub lit_share: f64,
-    /// What trees and screens (materials with a transmittance) do to the sun.
+    /// Trees and screens (materials with a transmittance) before the sun.
     #[field(default = "ignore")]
     pub trees: TreesBeforeSun,
     /// Glare, in place of the sun itself.

@@ -6,7 +6,7 @@ use heliotile_core::layers::sky_bitmap::SkyBitmap;
 use heliotile_core::named::NamedValues;
 use heliotile_core::opened::SiteSettings;
 
-/// What canopies (trees, screens) do to hours of sun.
+/// Canopies (trees, screens) before the sun in hours of sun.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum TreesBeforeSun {
