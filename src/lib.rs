@@ -115,7 +115,7 @@ pub use heliotile_studies::site_build::check_output;
 pub use heliotile_studies::{
     AuditReport, AuditRequest, ComfortSiteRequest, DaySpan, FolderOption, GlareChoice, ReceiverSource, RepairRequest,
     RunDone, RunMap, RunRequest, SiteArchiveRequest, SiteBuild, SiteFolder, SunlightDone, SunlightRequest,
-    TradeoffRequest, TreesBeforeSun, UpdateDone, UpdateRequest, Verdict, shipped_rules,
+    TradeoffRequest, TreeShade, UpdateDone, UpdateRequest, Verdict, shipped_rules,
 };
 pub use heliotile_weather::temperatures::Temperature;
 pub use site::{ReceiverTotal, Site, SiteOptions, SiteReplay};

@@ -167,7 +167,7 @@ impl<'a> TileStream<'a> {
     pub fn feed(&self, sink: &mut dyn TileSink) -> Result<()> {
         let (parts, observer) = (self.receivers.parts(), self.resources.observer);
         let components = sink.components();
-        let elsewhere = |name: &str| parts.len() > 1 && parts.iter().any(|part| part.changeable().knows(name));
+        let elsewhere = |name: &str| self.knows(name);
         let (mut started, mut progress) = (false, None);
         for (number, part) in parts.iter().enumerate() {
             // Many parts of an atlas may hold no requested receiver. A sink starts after one replay
@@ -221,13 +221,18 @@ impl<'a> TileStream<'a> {
         })
     }
 
+    /// Returns true if one of several archives knows a material or group of this name.
+    fn knows(&self, name: &str) -> bool {
+        let parts = self.receivers.parts();
+        parts.len() > 1 && parts.iter().any(|part| part.changeable().knows(name))
+    }
+
     /// Returns the replay of the series by object on one of the archives.
     pub fn by_object<'b>(&self, part: &PartReceivers<'b>) -> Result<ObjectReplay<'b>> {
         let TileStream { series, ref resources, .. } = *self;
         let components = ComponentSet::new(&[DIRECT.as_slice(), &GIVEN].concat());
         let settings = self.settings(part.archive, components)?;
-        let elsewhere = |name: &str| self.receivers.parts().iter().any(|part| part.changeable().knows(name));
-        let schedules = series.schedules(part.archive, &part.site, &elsewhere, resources)?;
+        let schedules = series.schedules(part.archive, &part.site, &|name| self.knows(name), resources)?;
         let builder = Replay::builder(&part.site, &series.conditions, settings).summed(&series.bins);
         builder.scheduled(&schedules).build_by_object()
     }

@@ -79,18 +79,43 @@ impl SkyBitmap {
         bitmap
     }
 
-    /// Returns the part of the sky whose fine texels (column, row) are `wanted`.
-    pub fn within(&self, wanted: impl Fn(usize, usize) -> bool) -> SkyBitmap {
-        let mut dense = BitSquare::new(self.side() * self.block);
-        self.for_visible(|texel, _| {
-            let (column, row) = (texel % self.side() * self.block, texel / self.side() * self.block);
-            for (column, row) in (0..self.block * self.block).map(|i| (column + i % self.block, row + i / self.block)) {
-                if self.get(column, row) && wanted(column, row) {
-                    dense.set(column, row, true);
+    /// Returns the part of the sky in the texels that a square over it shows, row-major; a texel of
+    /// the square holds whole fine texels.
+    pub fn within(&self, shown: &[bool]) -> SkyBitmap {
+        let (side, block, fine) = (self.side(), self.block, self.block * self.block);
+        let square = shown.len().isqrt();
+        let wide = side * block / square;
+        let mut out = SkyBitmap::closed(side, block);
+        for (column, row) in (0..side * side).map(|texel| (texel % side, texel / side)) {
+            let is_shown = |c: usize, r: usize| shown[r / wide * square + c / wide];
+            let places = |at: usize| (at * block..(at + 1) * block).step_by(wide.min(block));
+            let mut covering = places(row).flat_map(|r| places(column).map(move |c| is_shown(c, r)));
+            let found = self.texel(column, row);
+            let bit = |i: usize| match found {
+                Texel::Closed => false,
+                Texel::Open => true,
+                Texel::Mixed(bits) => bits[i / 64] >> (i % 64) & 1 == 1,
+            };
+            match found {
+                Texel::Closed => {}
+                Texel::Open if covering.clone().all(|is| is) => out.open.set(column, row, true),
+                _ if !covering.any(|is| is) => {}
+                _ => {
+                    let left = |i: usize| bit(i) && is_shown(column * block + i % block, row * block + i / block);
+                    let word = |w: usize| {
+                        let bits = (w * 64..(w * 64 + 64).min(fine)).enumerate();
+                        bits.fold(0, |word, (k, i)| word | u64::from(left(i)) << k)
+                    };
+                    let words: Vec<u64> = (0..self.words()).map(word).collect();
+                    if words.iter().any(|word| *word != 0) {
+                        out.mixed.set(column, row, true);
+                        out.blocks.extend(words);
+                    }
                 }
             }
-        });
-        SkyBitmap::new(&dense, self.side())
+        }
+        out.rank();
+        out
     }
 
     /// Returns a bitmap of `base` texels a side, each of `block` x `block` fine texels, without
@@ -329,6 +354,31 @@ mod tests {
                 let found: Vec<usize> = parts.iter().filter(|p| p.1.get(column, row)).map(|p| *p.0).collect();
                 assert_eq!(found, if sky.get(column, row) { vec![] } else { vec![of] });
             }
+        }
+    }
+
+    /// For blocks of 1, 2, 8 and 16 fine texels a side and squares coarser and finer than the base,
+    /// each fine texel of a random sky stays where the square shows it, and no other does; all stay
+    /// in a square that shows all.
+    #[test]
+    fn a_square_hides_its_texels_of_the_sky() {
+        for (block, square) in [(1, 8), (2, 64), (8, 64), (16, 16), (8, 256)] {
+            let (base, fine) = (32, 32 * block);
+            let mut dense = BitSquare::new(fine);
+            for t in 0..fine * fine {
+                let kind = crate::hemisphere::mix(5, (t / fine / block * base + t % fine / block) as u64) % 3;
+                let one = kind == 1 || kind == 2 && crate::hemisphere::mix(7, t as u64).is_multiple_of(2);
+                dense.set(t % fine, t / fine, one);
+            }
+            let sky = SkyBitmap::new(&dense, base);
+            let shown: Vec<bool> =
+                (0..square * square).map(|i| crate::hemisphere::mix(9, i as u64).is_multiple_of(3)).collect();
+            let part = sky.within(&shown);
+            for (column, row) in (0..fine * fine).map(|t| (t % fine, t / fine)) {
+                let is_shown = shown[row * square / fine * square + column * square / fine];
+                assert_eq!(part.get(column, row), sky.get(column, row) && is_shown, "{block} {square}");
+            }
+            assert_eq!(sky.within(&vec![true; square * square]), sky);
         }
     }
 

@@ -350,7 +350,7 @@ impl Group<'_> {
     ) -> Result<Transport> {
         let ResponseSolver { settings, slots, reflectors, rules, leafages, centres, .. } = self.responder;
         let powers = &leafages.powers[leafage];
-        let per_receiver = settings.hit * settings.hit;
+        let per_receiver = tile.hits.texels.len() / tile.viewers.len();
         let texels = settings.probe * settings.probe;
         let shares = tile.canopies.get(index).and_then(|canopy| canopy.through(SEEN, powers));
         let texels_of = &tile.hits.texels[index * per_receiver..(index + 1) * per_receiver];

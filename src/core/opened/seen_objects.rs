@@ -163,7 +163,7 @@ impl SceneObjects {
         while let Some(node) = self.nodes.get(at) {
             let is_met = meets(node);
             if is_met {
-                let some = self.triangles.get(node.triangles.clone()).unwrap_or_default().iter();
+                let some = self.triangles[node.triangles.clone()].iter();
                 triangles.extend(some.filter(|triangle| {
                     let (least, most) = bounds(&triangle.corners);
                     cell.holds(triangle.tag) && least.as_dvec3().cmple(high).all() && most.as_dvec3().cmpge(low).all()

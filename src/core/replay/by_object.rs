@@ -27,6 +27,7 @@ use crate::hemisphere::{Frame, ray_direction, texel_centres, texel_of};
 use crate::layers::canopy::{Canopy, SEEN, SKY, SeenLeaf};
 use crate::layers::hit::HitTile;
 use crate::layers::mirror::ReceiverMirrors;
+use crate::layers::response::Response;
 use crate::layers::sky_bitmap::SkyBitmap;
 use crate::light::mirrors::left;
 use crate::light::reflector::Reflector;
@@ -171,7 +172,7 @@ impl ObjectReplay<'_> {
     /// Returns the values of some rows, those with cells first.
     fn values(&self, tile: u32, hits: &HitTile, viewers: &[Viewer], rows: &mut [Row]) -> Result<TileValues> {
         let normal = |row: &Row| viewers[row.receiver].normal;
-        let mut responses = Vec::new();
+        let mut responses: Vec<Vec<Response>> = Vec::new();
         let lit = rows.partition_point(|row| !row.cells.is_empty());
         if let Some((tables, solver)) = self.0.responder.as_ref().filter(|_| lit > 0) {
             // Cells come as those of leaves, which have weights of their own.
@@ -184,7 +185,8 @@ impl ObjectReplay<'_> {
                 mirrors: Vec::new(),
                 canopies: rows[..lit].iter_mut().map(cells).collect(),
             };
-            responses = solver.derive(tables, &[view])?.pop().unwrap_or_default();
+            // One tile: a list of responses for each state.
+            responses = solver.derive(tables, &[view])?.into_iter().flatten().collect();
         }
         let has_mirrors = rows.iter().any(|row| !row.mirrors.is_empty());
         let of_rows = |row: &mut Row| std::mem::take(&mut row.mirrors);

@@ -409,10 +409,9 @@ fn lit_cells(
     memory: MemoryBudget,
     storage: &dyn ScratchSpace,
 ) -> Result<Lit> {
-    let mut tables = Tables::new(site)?;
+    let tables = Tables::new(site)?;
     // Each cell fills the view of a receiver that looks up and has one texel. The response of that
     // receiver is pi times the cell's radiance.
-    tables.settings.hit = 1;
     let viewer = Viewer { normal: DVec3::Z, seed: 0, sky_view: 0.0 };
     let responder = ResponseSolver::new(&tables, light.depth, memory, storage)?;
     let shown = shown(view, &tables.mirrors.reflectors);

@@ -248,11 +248,7 @@ impl<'r, 'a> ReplayBuilder<'r, 'a> {
             return Replay::with(site, forcing, settings.memory, None);
         }
         let tables = Tables::new(site)?;
-        let mut tables = if matt { tables.without_mirrors() } else { tables };
-        if by_object {
-            // Rows of objects name their cells without a texture of hits.
-            tables.settings.hit = 0;
-        }
+        let tables = if matt { tables.without_mirrors() } else { tables };
         let stored = tables.mirrors.reflectors.iter().map(Reflector::variable).collect();
         let lets_through: Vec<bool> = tables.mirrors.reflectors.iter().map(|r| r.transmittance.is_some()).collect();
         let (memory, storage) = (settings.memory, settings.storage);

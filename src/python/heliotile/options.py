@@ -869,7 +869,7 @@ class SunlightOptions(TypedDict, total=False):
     """Share of a row's area that must be lit for a moment to count, without `rules` [default: any part of it] Default: `0`."""
 
     trees: Literal["ignore", "opaque", "half"] | None
-    """What trees and screens (materials with a transmittance) do to the sun. Default: `ignore`."""
+    """Shade of trees and screens, which are materials with a transmittance. Default: `ignore`."""
 
     exact: bool
     """Refine moments at which an edge within a texel decides, by casting rays at the scene in the archive."""

@@ -185,9 +185,8 @@ impl ShadingRequest {
             _ => "obstruction",
         };
         let SurfaceOf::Object(number) = seen.of else {
-            let of_material = |number: u16| part.site.materials().get(usize::from(number)).map(|m| m.name.clone());
             let name = match seen.of {
-                SurfaceOf::Material(number) => of_material(number).unwrap_or_default(),
+                SurfaceOf::Material(number) => part.site.materials()[usize::from(number)].name.clone(),
                 _ => "unknown".to_owned(),
             };
             return Taker { name, class, is_own: false };

@@ -27,4 +27,4 @@ pub use heliotile_core::weather::time::clock_zone::ClockZone;
 pub use request::{RuleCount, SunlightDone, SunlightRequest, SunlightSite};
 pub use rule::{ClockHours, DaysTogether, LitPart, Rule, RuleClock, RuleMeasure, Threshold};
 pub use rule_files::{ShippedRules, shipped_rules};
-pub use trees::TreesBeforeSun;
+pub use trees::TreeShade;

@@ -10,7 +10,7 @@ use super::groups::{GroupAnswers, check_middles};
 use super::panes::PaneList;
 use super::places::{PlaceAnswer, PlaceQuestions, RowSubject};
 use super::request::{RuleCount, SunlightDone, SunlightRequest, SunlightSite};
-use super::trees::TreesBeforeSun;
+use super::trees::TreeShade;
 use heliotile_core::archive::format;
 use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::hemisphere::HEMISPHERE_SR;
@@ -244,11 +244,11 @@ impl SunlightRequest {
             ));
         }
         let has_leaves = archives.iter().any(|archive| !archive.entries_of(format::CANOPY).is_empty());
-        if has_leaves && self.glare.is_none() && self.trees == TreesBeforeSun::Ignore {
+        if has_leaves && self.glare.is_none() && self.trees == TreeShade::Ignore {
             observer
                 .note("leaves and screens do not hide the sun here; {command:sunlight} has {trees} opaque and half");
         }
-        if !has_leaves && self.trees != TreesBeforeSun::Ignore {
+        if !has_leaves && self.trees != TreeShade::Ignore {
             observer.warn("the archive has no leaves and no screens: {trees} changes nothing");
         }
     }

@@ -12,7 +12,7 @@ use super::glare::{GlareSpell, SpellTeller};
 use super::measure::RuleValue;
 use super::panes::{PaneList, ScenePanes};
 use super::rule::{LitPart, RuleMeasure};
-use super::trees::TreesBeforeSun;
+use super::trees::TreeShade;
 use heliotile_builder::pipeline::PreparedScene;
 use heliotile_builder::siting::{MirrorObserver, MirrorRays, Siting};
 use heliotile_core::error::{Error, Result};
@@ -85,8 +85,8 @@ pub struct PlaceQuestions<'a> {
     pub asked: &'a RowSubject,
     /// Least altitude of the sun, degrees, at which it counts. Rules have altitudes of their own.
     pub least_altitude_deg: f64,
-    /// What canopies do to the sun itself.
-    pub trees: TreesBeforeSun,
+    /// Shade of trees and screens.
+    pub trees: TreeShade,
     /// Angles of glare that counts, if rows of days are about glare instead of the sun itself.
     pub glare: Option<GlareAngles>,
     /// Collector of the panes, if spells of glare are requested.
@@ -249,10 +249,10 @@ impl PartQuestions<'_> {
         let table = site.tile_receivers(tile.number)?;
         let receivers = site.tile_parts(tile.number, &table)?;
         let mut skies = if self.wants_sun { site.tile_sky(tile.number, receivers.len())? } else { Vec::new() };
-        if self.all.trees != TreesBeforeSun::Ignore {
+        if self.all.trees != TreeShade::Ignore {
             let canopies = site.tile_canopies(tile.number, receivers.len())?;
             for (sky, canopy) in skies.iter_mut().zip(&canopies) {
-                let hidden = self.all.trees.hide(sky, canopy, &self.powers, site.settings());
+                let hidden = self.all.trees.hide(sky, canopy, &self.powers);
                 hidden.into_iter().for_each(|left| *sky = left);
             }
         }

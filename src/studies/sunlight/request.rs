@@ -10,7 +10,7 @@ use super::days::{DayPlan, SunnyHours};
 use super::glare::GlareChoice;
 use super::places::{DateRows, RowSubject};
 use super::rule_files::read_rules;
-use super::trees::TreesBeforeSun;
+use super::trees::TreeShade;
 use heliotile_core::error::{Error, Problem, Result, check_ranges};
 use heliotile_core::site::place::Place;
 use heliotile_core::text::{counted, message};
@@ -62,9 +62,9 @@ pub struct SunlightRequest {
     /// part of it].
     #[field(metavar = "SHARE", default = 0.0, range = 0.0..=1.0)]
     pub lit_share: f64,
-    /// What trees and screens (materials with a transmittance) do to the sun.
+    /// Shade of trees and screens, which are materials with a transmittance.
     #[field(default = "ignore")]
-    pub trees: TreesBeforeSun,
+    pub trees: TreeShade,
     /// Glare, in place of the sun itself.
     #[field(skip)]
     pub glare: Option<GlareChoice>,
@@ -160,7 +160,7 @@ impl SunlightRequest {
             let hint = "leave it out: rules define their own days";
             return Err(Error::argument("every", "applies to days, and rules are given", hint));
         }
-        if self.exact && self.trees != TreesBeforeSun::Ignore {
+        if self.exact && self.trees != TreeShade::Ignore {
             let what = "is decided by texels, and rays that refine edges meet no leaves";
             return Err(Error::argument("trees", what, "leave out {exact}").because(Problem::excludes("exact")));
         }

@@ -1,15 +1,14 @@
 //! Trees and screens before the sun. In: the sky of a receiver and its crossings of canopies. Out:
 //! the part of this sky through which the sun counts as seen.
 
-use heliotile_core::layers::canopy::{Canopy, Powers, SKY, sky_side};
+use heliotile_core::layers::canopy::{Canopy, Powers, SKY};
 use heliotile_core::layers::sky_bitmap::SkyBitmap;
 use heliotile_core::named::NamedValues;
-use heliotile_core::opened::SiteSettings;
 
-/// What canopies (trees, screens) do to hours of sun.
+/// Shade of trees and screens in hours of sun.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum TreesBeforeSun {
+pub enum TreeShade {
     /// Only opaque surfaces hide the sun
     #[default]
     Ignore,
@@ -19,41 +18,28 @@ pub enum TreesBeforeSun {
     Half,
 }
 
-impl NamedValues for TreesBeforeSun {
+impl NamedValues for TreeShade {
     const VALUES: &'static [(&'static str, &'static str, Self)] = &[
-        ("ignore", "Only opaque surfaces hide the sun", TreesBeforeSun::Ignore),
-        ("opaque", "Each leaf and screen hides the sun", TreesBeforeSun::Opaque),
-        (
-            "half",
-            "Leaves and screens hide the sun where they let less than half of its light through",
-            TreesBeforeSun::Half,
-        ),
+        ("ignore", "Only opaque surfaces hide the sun", TreeShade::Ignore),
+        ("opaque", "Each leaf and screen hides the sun", TreeShade::Opaque),
+        ("half", "Leaves and screens hide the sun where they let less than half of its light through", TreeShade::Half),
     ];
 }
 
-heliotile_core::serde_by_name!(TreesBeforeSun);
+heliotile_core::serde_by_name!(TreeShade);
 
-heliotile_core::parse_by_name!(TreesBeforeSun);
+heliotile_core::parse_by_name!(TreeShade);
 
-impl TreesBeforeSun {
+impl TreeShade {
     /// Returns the sky of a receiver without the part that its canopies hide; `None` if they hide
     /// none of it. `powers` are the shares of light that canopies let through.
-    pub(super) fn hide(
-        self,
-        sky: &SkyBitmap,
-        canopy: &Canopy,
-        powers: &Powers,
-        settings: &SiteSettings,
-    ) -> Option<SkyBitmap> {
+    pub(super) fn hide(self, sky: &SkyBitmap, canopy: &Canopy, powers: &Powers) -> Option<SkyBitmap> {
         let least = match self {
-            TreesBeforeSun::Ignore => return None,
-            TreesBeforeSun::Opaque => 1.0,
-            TreesBeforeSun::Half => 0.5,
+            TreeShade::Ignore => return None,
+            TreeShade::Opaque => 1.0,
+            TreeShade::Half => 0.5,
         };
         let shares = canopy.through(SKY, powers)?;
-        let side = sky_side(settings.sky_base, settings.sky_fine);
-        // A texel of the square covers whole fine texels.
-        let fine = sky.side() * sky.block() / side;
-        Some(sky.within(|column, row| shares[row / fine * side + column / fine] >= least))
+        Some(sky.within(&shares.iter().map(|share| *share >= least).collect::<Vec<_>>()))
     }
 }
