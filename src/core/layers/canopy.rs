@@ -157,8 +157,8 @@ impl Canopy {
 
     /// Returns the materials that each ray of a list crosses, ascending, and how often, for the
     /// rays that cross any.
-    pub fn crossings(&self, list: usize) -> BTreeMap<usize, Vec<(u16, u8)>> {
-        let mut found: BTreeMap<usize, Vec<(u16, u8)>> = BTreeMap::new();
+    pub fn crossings(&self, list: usize) -> BTreeMap<usize, Vec<(u16, u16)>> {
+        let mut found: BTreeMap<usize, Vec<(u16, u16)>> = BTreeMap::new();
         for (material, lists) in &self.materials {
             lists[list].for_each(|ray, count| found.entry(ray).or_default().push((*material, count)));
         }

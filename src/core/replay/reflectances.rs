@@ -28,9 +28,9 @@ pub enum Snow {
 }
 
 /// Column of the values in a schedule's file.
-const REFLECTANCE: Column = Column { name: "reflectance", low: 0.0, high: 1.0 };
-const TRANSMITTANCE: Column = Column { name: "transmittance", low: 0.0, high: 1.0 };
-const LEAF_AREA_DENSITY: Column = Column { name: "leaf_area_density", low: 0.0, high: MAX_LEAF_AREA_DENSITY };
+const REFLECTANCE: Column<'static> = Column { name: "reflectance", low: 0.0, high: 1.0 };
+const TRANSMITTANCE: Column<'static> = Column { name: "transmittance", low: 0.0, high: 1.0 };
+const LEAF_AREA_DENSITY: Column<'static> = Column { name: "leaf_area_density", low: 0.0, high: MAX_LEAF_AREA_DENSITY };
 
 /// Depth from which on snow covers the ground.
 const COVER_CM: f64 = 1.0;
@@ -145,7 +145,7 @@ impl Changes {
     }
 
     fn letting_through(&self, changeable: &Changeable, rows: Rows, files: ReadFile) -> Result<Vec<Schedule>> {
-        let of = |(name, follow): &(String, ConstantOrFile), column: Column| {
+        let of = |(name, follow): &(String, ConstantOrFile), column: Column<'static>| {
             let values = match follow {
                 ConstantOrFile::Value(value) => {
                     let Column { name: key, low, high } = column;
