@@ -286,7 +286,7 @@ impl Receivers {
                 format!("{}, {} m above the road\n", counted(points.len() as u64, "receiver"), along.height_m).into()
             );
         }
-        let (scene, covered) = cover_site(&site, &self.cover, observer)?;
+        let (_, covered) = cover_site(&site, &self.cover, observer)?;
         // A build warns of them itself.
         in_hulls(covered.in_hulls).iter().for_each(|text| observer.warn(text));
         let offset_m = self.cover.offset_m;
@@ -295,7 +295,7 @@ impl Receivers {
             let buried = covered.all().filter(|row| row.3 != Placement::Free);
             write(path, &covered, buried, offset_m, true)?;
         }
-        Ok(summary(&covered, &scene))
+        Ok(summary(&covered))
     }
 }
 

@@ -44,6 +44,8 @@ pub enum Tone {
     Note,
     /// Report of work that is done or about to begin, in lines that end with a line break.
     Report,
+    /// Report of how work is done, such as rays and seconds, in lines that end with a line break.
+    Detail,
 }
 
 impl dyn Observer + '_ {
@@ -60,6 +62,11 @@ impl dyn Observer + '_ {
     /// Hands on a report.
     pub fn report(&self, text: impl Into<Message>) {
         self.tell(Tone::Report, text.into());
+    }
+
+    /// Hands on a report of how work is done.
+    pub fn detail(&self, text: impl Into<Message>) {
+        self.tell(Tone::Detail, text.into());
     }
 }
 

@@ -306,7 +306,8 @@ impl ReplayRequest {
     pub fn tell_misfits(&self, archives: Archives, weather: &Weather, observer: &dyn Observer) -> Result<()> {
         let apart = archives.manifest().place.and_then(|place| far_apart(&place, weather));
         let odd = of_archive(archives.first(), Some(&self.weather));
-        apart.iter().chain(&odd).for_each(|text| observer.warn(text));
+        apart.iter().for_each(|apart| observer.warn(apart));
+        odd.iter().for_each(|text| observer.warn(text));
         if self.light.is_by_humidity() && weather.air.iter().all(|air| air.dew_point_c.is_none()) {
             observer.note("the weather has no dew point: lux are calculated for air with 2 cm of precipitable water");
         }

@@ -210,7 +210,7 @@ pub fn cover_scene(
     });
     let covered = PlacedReceivers { surfaces, faces, chosen, small, inner, in_hulls, beside };
     if within.is_none() && !asked.may_be_none && covered.count(Placement::Free) == 0 {
-        let what = Message::from("no receiver is left: ").and(summary(&covered, scene).trim_end());
+        let what = Message::from("no receiver is left: ").and(summary(&covered).trim_end());
         let hint = match (covered.chosen.is_empty(), covered.count(Placement::Inside)) {
             (true, _) => {
                 "lower {min_area}, cover other surfaces with {on}, or see with `{command:info}` whether the scene is in metres"
@@ -467,7 +467,7 @@ fn reason(placement: Placement) -> &'static str {
 }
 
 /// Returns a summary of the receivers by kind of surface, for the terminal.
-pub fn summary(covered: &PlacedReceivers, scene: &Scene) -> Message {
+pub fn summary(covered: &PlacedReceivers) -> Message {
     let [free, hidden, inside] =
         [Placement::Free, Placement::Blocked, Placement::Inside].map(|placement| covered.count(placement));
     let mut out = message!(
@@ -519,9 +519,6 @@ pub fn summary(covered: &PlacedReceivers, scene: &Scene) -> Message {
         let types: Vec<&str> = covered.beside.keys().map(String::as_str).collect();
         let area: f64 = covered.beside.values().sum();
         line(message!("left out: {area:.1} m2 of objects that are not buildings ({{types}} {})", types.join(",")));
-    }
-    if !scene.report.warnings.is_empty() {
-        line(message!("{} above", counted(scene.report.warnings.len() as u64, "warning")));
     }
     out
 }

@@ -19,7 +19,7 @@ use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::{Access, Archive, format};
 use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::memory::MemoryBudget;
-use heliotile_core::observer::Observer;
+use heliotile_core::observer::{Observer, Tone};
 use heliotile_core::replay::schedule_csv::ReadFile;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::text::{Message, message};
@@ -143,6 +143,12 @@ impl FolderOption {
         }
     }
 
+    /// Returns the tone of the archive's summary: a part of an atlas is a result; other commands
+    /// make results from the archive.
+    fn tone(self) -> Tone {
+        if self == FolderOption::Part { Tone::Report } else { Tone::Detail }
+    }
+
     /// Returns the hint for a folder in which a build of other inputs was interrupted.
     fn for_interrupted(self) -> &'static str {
         match self {
@@ -256,6 +262,7 @@ impl<'a> SiteBuild<'a> {
         let build = Build { scene: &prepared, receivers: &mut receivers, workspace: &workspace, observer };
         let done = build.plan_and_write(&self.request(before.as_ref())?, output);
         let done = done.map_err(|error| error.advise(OTHER_INPUTS))?;
+        done.report.tell(self.scene, &output.path, Tone::Report, observer);
         let archive = Archive::open_with(&output.path, Access::Read)?;
         black_below_horizon(&archive)?.iter().for_each(|lost| observer.warn(lost));
         Ok(done)
@@ -350,7 +357,7 @@ impl SiteBuild<'_> {
         }
         if let (ReceiverSource::Placed { placed, table, .. }, Some(planned)) = (self.receivers, planned) {
             planned.place(table)?;
-            observer.report(message!("{}: ", table.display()).and(covering::summary(placed, self.scene)));
+            observer.detail(message!("{}: ", table.display()).and(covering::summary(placed)));
         }
         let archive = match found {
             ArchiveState::Same(archive) => {
@@ -362,14 +369,13 @@ impl SiteBuild<'_> {
                 let request = self.request(before.as_ref())?;
                 let mut write = |start: Start| {
                     let build = Build { scene: &prepared, receivers: &mut receivers, workspace: &workspace, observer };
-                    build
-                        .plan_and_write(&request, &Output { start, ..Output::new(folder.archive.to_owned()) })
-                        .map(drop)
+                    build.plan_and_write(&request, &Output { start, ..Output::new(folder.archive.to_owned()) })
                 };
-                match write(Start::Resume) {
+                let done = match write(Start::Resume) {
                     Err(Error::Incomplete { .. }) if folder.replace => write(Start::Fresh)?,
                     done => done.map_err(|error| error.advise(folder.named_by.for_interrupted()))?,
-                }
+                };
+                done.report.tell(self.scene, folder.archive, folder.named_by.tone(), observer);
                 Archive::open_with(folder.archive, Access::Read)?
             }
         };

@@ -367,7 +367,7 @@ fn misplaced_receivers_are_named() {
     assert_eq!(built.status.code(), Some(0), "{message}");
     assert!(message.contains("inside a solid") && message.contains("buried"), "{message}");
     assert!(message.contains("close (0.30 mm)"), "{message}");
-    let known = folder.run("build scene.obj -m materials.toml -r receivers.csv --from site.helio -o again.helio");
+    let known = folder.run("build scene.obj -m materials.toml -r receivers.csv --from site.helio -o again.helio -v");
     assert!(stdout(&known).contains("  reused: "), "{}", stdout(&known));
     let message = String::from_utf8_lossy(&known.stderr).into_owned();
     assert!(message.contains("1 receiver lies inside a solid") && message.contains("buried"), "{message}");

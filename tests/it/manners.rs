@@ -63,8 +63,8 @@ fn results_of_other_inputs_are_kept() {
     folder.refused(RUN, &["receivers.csv differs from line 10 on", "--receivers uses it as it is"]);
     assert_eq!(fs::read_to_string(made.join("receivers.csv")).ok().as_deref(), Some(edited.as_str()));
 
-    let (said, _) = good(&folder, &format!("{} --replace", RUN.replace("5m", "4m")));
-    assert!(said.contains("root") && !said.contains("up to date"), "{said}");
+    let (said, _) = good(&folder, &format!("{} --replace -v", RUN.replace("5m", "4m")));
+    assert!(said.contains(", root ") && !said.contains("up to date"), "{said}");
     let after = bytes(&made);
     assert!(after.iter().zip(&before).filter(|(a, b)| a.0 == b.0 && a.1 != b.1).count() == 8);
     let (said, _) = good(&folder, &RUN.replace("5m", "4m"));
@@ -322,6 +322,38 @@ fn quiet_and_verbose_change_messages_only() {
     let (said, _) = good(&folder, "build --dry-run scene.obj -m materials.toml -r receivers.csv --threads 3");
     assert!(said.contains("3 threads"), "{said}");
     folder.fails(&format!("{build} -o x.helio --threads 0"), "argument other --threads 0");
+}
+
+/// README's first command prints at most 25 lines in a pipe: its table, its files, and last 2
+/// warnings and a note. None is progress. With `-v` effects and the root come too.
+#[test]
+fn readmes_first_command_prints_results_and_then_assumptions() {
+    let folder = Folder::new();
+    let data = Path::new(crate::ROOT).join("tests/data");
+    let run = |more: &str| {
+        let script = format!(
+            "exec 2>&1; \"$0\" run \"$1/cityjson/hague.city.json\" --weather \"$1/weather/golden_tmy3.epw\" {more}"
+        );
+        let mut command = Command::new("sh");
+        command.args(["-c", &script, env!("CARGO_BIN_EXE_heliotile")]).arg(&data).current_dir(folder.path(""));
+        let output = command.output().expect("a shell");
+        assert_eq!(output.status.code(), Some(0), "{}", stdout(&output));
+        stdout(&output)
+    };
+    let said = run("");
+    let is_last = |line: &&str| line.starts_with("warning: ") || line.starts_with("note: ");
+    let lines: Vec<&str> = said.trim().lines().collect();
+    let last = lines.iter().rev().take_while(|line| is_last(line)).count();
+    assert!(lines.len() <= 25, "{said}");
+    assert_eq!((last, lines.iter().filter(|line| is_last(line)).count()), (3, 3), "{said}");
+    assert!(lines[lines.len() - 3..].iter().all(|line| line.contains("--")), "{said}");
+    for detail in ["get light", "effect  ", "Mray", "root ", " s: tree", " % (", " so far"] {
+        assert!(!said.contains(detail), "{detail}: {said}");
+    }
+    let said = run("-v --replace --quality draft");
+    for detail in ["get light", "effect  ", "Mray", ", root ", " s: tree"] {
+        assert!(said.contains(detail), "{detail}: {said}");
+    }
 }
 
 /// A spacing of 1 mm is refused with the one that gives at most 100 million receivers, and that one

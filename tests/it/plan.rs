@@ -287,7 +287,7 @@ fn nothing_is_traced_for_what_is_left_out() {
     assert!(mirrors.2.rays.mirror == 0 && bytes(&mirrors.1, format::MIRROR) == 0 && mirrors.2.rays.bounce > 0);
 }
 
-/// `plan` prints a table of effects with their sum and writes no file. `build --effects none`
+/// `plan` prints a table of effects with their sum and writes no file. `build -v --effects none`
 /// prints the same head, its archive states the effects left out, gives no reflected light and
 /// refuses `--reflectance`. An unknown effect is refused (exit 2). Under three days of weather 5 %
 /// leave out bounces; the archive states it, and replay under another file warns (1 of 2).
@@ -315,7 +315,7 @@ fn plan_prints_the_effects_that_build_leaves_out() {
     let on = |table: &str| table.lines().filter(|line| line.contains(" on ")).count();
     assert_eq!((code, on(&table), table.lines().count()), (Some(0), 5, 10), "{table}");
     assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 4);
-    let (code, head, _) = run(&[&["build"], &inputs[..], &["--effects", "none", "-o", "n.helio"]].concat());
+    let (code, head, _) = run(&[&["build", "-v"], &inputs[..], &["--effects", "none", "-o", "n.helio"]].concat());
     assert_eq!((code, on(&head)), (Some(0), 2), "{head}");
     let (_, info, _) = run(&["info", "n.helio"]);
     assert!(info.contains("left out    diffuse, bounces, mirrors"), "{info}");
@@ -335,7 +335,7 @@ fn plan_prints_the_effects_that_build_leaves_out() {
     let (code, table, _) = run(&[&["build", "--dry-run"][..], &inputs[..], &under[..]].concat());
     assert!(code == Some(0) && table.contains("sums over w.epw of 2 receivers") && on(&table) == 5, "{table}");
     let allowed = ["--negligible", "5%", "-o", "w.helio"];
-    let (code, head, _) = run(&[&["build"], &inputs[..], &under[..], &allowed[..]].concat());
+    let (code, head, _) = run(&[&["build", "-v"], &inputs[..], &under[..], &allowed[..]].concat());
     assert_eq!((code, on(&head)), (Some(0), 4), "{head}");
     let (_, info, _) = run(&["info", "w.helio"]);
     assert!(info.contains("left out    bounces; negligible: bounces (at most "), "{info}");

@@ -75,7 +75,7 @@ def main(args):
                 ["--error-weather", args.weather], ["--weather", args.weather])
             for target in args.targets or ((2, 1) if args.weather is None else (5, 2, 1, 0.5)):
                 text, cpu = run(args.program, "build", *scene, "-r", f"{at}/receivers.csv", "--fresh", "-o", archive,
-                                "--error", f"{target}%", *under)
+                                "--error", f"{target}%", "-v", *under)
                 settings = re.findall(r"(?:sky_fine|hit|cell_floor_m|probe|closed_m)=[\d.]+", text)
                 audit, _ = run(args.program, "archive", "audit", archive, *scene, *other, "--samples", "1000", "--hours", "32", "--paths", "8192",
                                "--seed", "7")

@@ -12,11 +12,13 @@ use crate::pipeline::{Build, BuildReport, Output, Plan, ReusedArchives};
 use crate::settings::{BuildSettings, EffectChoice, Quality, Rungs, Share};
 use heliotile_core::archive::Archive;
 use heliotile_core::error::{Error, Result};
+use heliotile_core::observer::{Observer, Tone};
 use heliotile_core::replay::schedule_csv::ReadFile;
 use heliotile_core::units::parse_percent;
 use heliotile_core::weather::options::WeatherOptions;
 use heliotile_files::writing::claim::same_place;
 use heliotile_requests::Request;
+use heliotile_scene::Scene;
 
 /// Accuracy that a user wants of a build.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, Request)]
@@ -130,8 +132,7 @@ pub struct BuildDone {
 }
 
 impl Build<'_> {
-    /// Decides what is traced. If an error target is given, reports the chosen settings to the
-    /// observer.
+    /// Decides what is traced. If an error target is given, the observer gets the chosen settings.
     pub fn decide(&mut self, request: &BuildRequest) -> Result<PlanReport> {
         let accuracy = request.accuracy;
         let read = |percent| {
@@ -149,12 +150,13 @@ impl Build<'_> {
             error => error,
         })?;
         if let Some(choice) = &plan.choice {
-            self.observer.report(tables::choice(choice));
+            self.observer.detail(tables::choice(choice));
         }
         Ok(plan)
     }
 
-    /// Plans and builds, and reports both to the observer.
+    /// Plans and builds. The observer gets the plan and the error that was found; the report waits
+    /// for [`BuildReport::tell`].
     pub fn plan_and_write(mut self, request: &BuildRequest, output: &Output) -> Result<BuildDone> {
         check_preview(request.preview_percent)?;
         if request.preview_percent.is_some() && request.from.is_none() {
@@ -166,20 +168,27 @@ impl Build<'_> {
         }
         let planned = self.decide(request)?;
         let observer = self.observer;
-        observer.report(tables::forecast(&planned.forecast));
-        planned.losses.iter().for_each(|losses| observer.report(tables::losses(losses)));
+        observer.detail(tables::forecast(&planned.forecast));
+        planned.losses.iter().for_each(|losses| observer.detail(tables::losses(losses)));
         let (with_scene, preview_percent) = (request.with_scene, request.preview_percent);
         let plan = &Plan { with_scene, preview_percent, ..planned.plan.clone() };
-        let scene = self.scene.scene;
         let sources = ReusedArchives { earlier: None, before: request.from };
         let report = self.write(plan, output, &sources)?;
-        report.warnings.iter().for_each(|warning| observer.warn(warning));
-        observer.report(tables::summary(&report, scene, &output.path));
         if let Some(choice) = &planned.choice {
-            let taken = report.seconds.iter().map(|stage| stage.1).sum();
-            observer.report(tables::outcome(choice, planned.forecast.seconds(), taken));
+            observer.report(tables::outcome(choice));
+            observer.detail(tables::time(choice, planned.forecast.seconds(), &report));
         }
         Ok(BuildDone { plan: planned.plan, report })
+    }
+}
+
+impl BuildReport {
+    /// Hands on the warnings and notes, the summary of the archive as `tone` says, and its details.
+    pub fn tell(&self, scene: &Scene, output: &Path, tone: Tone, observer: &dyn Observer) {
+        self.warnings.iter().for_each(|warning| observer.warn(warning));
+        tables::lost_in_mirrors(self).iter().for_each(|lost| observer.note(lost));
+        observer.tell(tone, tables::summary(self, output).into());
+        observer.detail(tables::work(self, scene));
     }
 }
 

@@ -116,8 +116,8 @@ pub fn choice(choice: &SettingsChoice) -> String {
     )
 }
 
-/// Describes the expected and measured error and time, after the build.
-pub fn outcome(choice: &SettingsChoice, expected_s: f64, taken_s: f64) -> String {
+/// Describes the expected and measured error, after the build.
+pub fn outcome(choice: &SettingsChoice) -> String {
     let a = &choice.accuracy;
     let above = match a.rmse_percent > a.target_percent {
         true => format!(": more than the {} % wanted", a.target_percent),
@@ -136,12 +136,16 @@ pub fn outcome(choice: &SettingsChoice, expected_s: f64, taken_s: f64) -> String
         // Writing to a string cannot fail.
         let _ = writeln!(out, "  {}", in_hours(hours));
     }
-    let _ = writeln!(
-        out,
-        "time: {expected_s:.1} s expected, {taken_s:.1} s taken, after {:.1} s to choose the settings",
-        choice.pilot_s
-    );
     out
+}
+
+/// Describes the expected time of a build and the time that it took.
+pub fn time(choice: &SettingsChoice, expected_s: f64, report: &BuildReport) -> String {
+    let taken_s: f64 = report.seconds.iter().map(|stage| stage.1).sum();
+    format!(
+        "time: {expected_s:.1} s expected, {taken_s:.1} s taken, after {:.1} s to choose the settings\n",
+        choice.pilot_s
+    )
 }
 
 /// Describes the error in one kind of hours.
@@ -167,24 +171,25 @@ fn hours_in_words(kind: &str) -> String {
     }
 }
 
-/// Returns the summary of a finished build.
-pub fn summary(report: &BuildReport, scene: &Scene, output: &Path) -> String {
+/// Returns the summary of a finished build: its archive, and that it is a preview if it is one.
+pub fn summary(report: &BuildReport, output: &Path) -> String {
+    let preview = report.preview.as_ref().map_or_else(String::new, |preview| format!("  a preview: {preview}\n"));
+    format!(
+        "{}: {}, {:.2} MB, root {}\n{preview}",
+        output.display(),
+        counted(report.counts.receivers, "receiver"),
+        report.bytes as f64 / 1e6,
+        format::hex(&report.root)
+    )
+}
+
+/// Returns the counts, rays and seconds of a finished build.
+pub fn work(report: &BuildReport, scene: &Scene) -> String {
     let counts = &report.counts;
     let total: f64 = report.seconds.iter().map(|s| s.1).sum();
     let rays = report.rays.total();
     let each = |x: f64| x / counts.receivers.max(1) as f64;
     let stages: Vec<String> = report.seconds.iter().map(|(name, s)| format!("{name} {s:.2}")).collect();
-    let mirrors = match report.lost_in_mirrors {
-        [0.0, 0.0] => String::new(),
-        lost => {
-            let [receivers, cells] = lost.map(|share| share * 100.0);
-            format!(
-                "  light is not followed beyond {MAX_MIRRORS} mirrors: at most {receivers:.1} % of the view of a receiver, {cells:.1} \
-                 % of the view of a cell\n"
-            )
-        }
-    };
-    let preview = report.preview.as_ref().map_or_else(String::new, |preview| format!("  a preview: {preview}\n"));
     let kept = report.kept.map_or_else(String::new, |kept| {
         let share = |count: u64, all: u64| format!("{:.1} %", 100.0 * count as f64 / all.max(1) as f64);
         format!(
@@ -195,18 +200,24 @@ pub fn summary(report: &BuildReport, scene: &Scene, output: &Path) -> String {
         )
     });
     format!(
-        "{}: {} receivers, {} triangles\n  {} probes, {} bounce cells, {:.1} Mray ({:.0} a receiver), {:.2} MB ({:.0} bytes a \
-         receiver)\n{mirrors}{kept}{preview}  {total:.2} s: {}\n  root {}\n",
-        output.display(),
-        counts.receivers,
-        scene.mesh.triangles.len(),
+        "  {} probes, {} bounce cells, {} triangles\n  {:.1} Mray ({:.0} a receiver), {:.0} bytes a receiver\n{kept}  {total:.2} s: \
+         {}\n",
         counts.probes,
         counts.bounce_cells,
+        scene.mesh.triangles.len(),
         rays as f64 / 1e6,
         each(rays as f64),
-        report.bytes as f64 / 1e6,
         each(report.bytes as f64),
         stages.join(", "),
-        format::hex(&report.root),
     )
+}
+
+/// Returns a note on light that is not followed because it meets too many mirrors, if there is any.
+pub fn lost_in_mirrors(report: &BuildReport) -> Option<String> {
+    let [receivers, cells] = report.lost_in_mirrors.map(|share| share * 100.0);
+    let lost = format!(
+        "light is not followed beyond {MAX_MIRRORS} mirrors: at most {receivers:.1} % of the view of a receiver, {cells:.1} % of \
+         the view of a cell"
+    );
+    (report.lost_in_mirrors != [0.0, 0.0]).then_some(lost)
 }

@@ -58,6 +58,8 @@ pub fn run(Cli { command, everywhere }: &Cli, about: Provenance) -> Result<Outco
     if let Some(traffic) = heliotile::remote::traffic().filter(|_| everywhere.verbose) {
         voice::aside(&format!("{traffic}\n"));
     }
+    // After a failure too: a warning may name its cause.
+    voice::tell_waiting();
     outcome
 }
 

@@ -15,7 +15,7 @@ pub fn run(args: &Run, about: Provenance) -> Result<Outcome> {
     let terminal = Terminal::watching();
     let resources = Resources::new(args.memory, &terminal);
     let done = args.request.write(about, &resources)?;
-    say(&format!("\nIrradiation through {}, kWh/m2 (means by area):\n{}", args.request.weather.display(), done.table))?;
+    say(&format!("Irradiation through {}, kWh/m2 (means by area):\n{}", args.request.weather.display(), done.table))?;
     remark(summary(args, &done))?;
     Ok(Outcome::Fine)
 }

@@ -83,7 +83,7 @@ impl Observer for Watch {
     }
 
     fn tell(&self, tone: Tone, message: Message) {
-        if tone != Tone::Report {
+        if matches!(tone, Tone::Warning | Tone::Note) {
             locked(&self.told).warnings.push(worded_text(&message));
         }
     }

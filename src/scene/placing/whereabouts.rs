@@ -53,7 +53,8 @@ pub(crate) fn place_of(extents: &[Extent], frame: &SiteFrame, report: &mut LoadR
         // Angles beyond 180 degrees are brought into -180..180; others stay exact.
         place.convergence_deg = if y_deg.abs() > 180.0 { (y_deg + 180.0).rem_euclid(360.0) - 180.0 } else { y_deg };
     }
-    report.notes.extend(place.and_then(|place| place.note()).into_iter().map(Message::from));
+    let turned = |note| Message::from(note).and(" ({crs} or {rotate_deg}: another direction)");
+    report.notes.extend(place.and_then(|place| place.note()).map(turned));
     Ok(place)
 }
 

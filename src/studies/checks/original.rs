@@ -6,7 +6,6 @@ use std::path::Path;
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::observer::Observer;
-use heliotile_core::text::Message;
 use heliotile_scene::Scene;
 use heliotile_scene::placing::frame::SiteFrame;
 use heliotile_scene::request::SceneRequest;
@@ -54,8 +53,8 @@ pub(super) fn scene_of(archive: &Archive, site: &SceneFiles, first: &Path, obser
 /// Loads the scene without its note on the direction of north, which the archive states.
 fn load(site: &SceneFiles, observer: &dyn Observer) -> Result<Scene> {
     let mut scene = Scene::load_site(site)?;
-    let north = scene.place.and_then(|place| place.note()).map(Message::from);
-    scene.report.notes.retain(|note| Some(note) != north.as_ref());
+    let north = scene.place.and_then(|place| place.note());
+    scene.report.notes.retain(|note| north.as_ref().is_none_or(|north| !note.contains(north)));
     scene.report.tell(observer);
     Ok(scene)
 }

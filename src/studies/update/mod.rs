@@ -12,13 +12,13 @@ use glam::DVec3;
 use heliotile_archives::Workspace;
 use heliotile_builder::held::{held_receivers, held_scene};
 use heliotile_builder::pipeline::{Build, BuildReport, Output, Plan, PreparedScene, ReusedArchives, Start};
-use heliotile_builder::planning::{check_preview, tables};
+use heliotile_builder::planning::check_preview;
 use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_builder::settings::BuildSettings;
 use heliotile_core::archive::{Access, Archive};
 use heliotile_core::error::{Error, Problem, Result, check_ranges};
 use heliotile_core::memory::Use;
-use heliotile_core::observer::Observer;
+use heliotile_core::observer::{Observer, Tone};
 use heliotile_core::opened::SiteSettings;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::text::{counted, with_list};
@@ -210,8 +210,7 @@ impl UpdateRequest {
         let sources = ReusedArchives { earlier: None, before: Some(before) };
         let mut build = Build { scene: &prepared, receivers: &mut tiles, workspace: &workspace, observer };
         let report = build.write(&plan, &output, &sources).map_err(|error| error.advise(OTHER_EDITS))?;
-        report.warnings.iter().for_each(|warning| observer.warn(warning));
-        observer.report(tables::summary(&report, scene, &self.output));
+        report.tell(scene, &self.output, Tone::Report, observer);
         let built = Archive::open_with(&self.output, Access::Read)?;
         black_below_horizon(&built)?.iter().for_each(|lost| observer.warn(lost));
         Ok(report)

@@ -67,18 +67,12 @@ fn likeness(a: &str, b: &str) -> usize {
     a.iter().zip(&b).filter(|(a, b)| a == b).map(|(a, _)| weight(a)).sum()
 }
 
-/// Returns true if a line reports progress: `cells: 34 % (12 of 35), ...`, `cells: 12 so far`.
-fn is_progress(line: &str) -> bool {
-    let words: Vec<&str> = line.split_whitespace().collect();
-    line.ends_with(" so far") || matches!(words[..], [_, _, "%", of, ..] if of.starts_with('('))
-}
-
 /// Compares the lines of a block with printed lines.
 pub fn compare(block: &[String], printed: &str) -> Compared {
     let warns = |line: &str| line.starts_with("warning: ");
-    // Warnings, on the other stream, are compared where a page shows them; progress never is.
+    // Warnings, on the other stream, are compared where a page shows them.
     let shows_warnings = block.iter().any(|line| warns(line));
-    let is_shown = |line: &&str| !line.trim().is_empty() && !is_progress(line) && (shows_warnings || !warns(line));
+    let is_shown = |line: &&str| !line.trim().is_empty() && (shows_warnings || !warns(line));
     let printed: Vec<&str> = printed.lines().filter(is_shown).collect();
     let (mut next, mut gap, mut seconds) = (0, true, None);
     let mut compared = Compared { wrong: None, now: Vec::new() };
@@ -140,7 +134,6 @@ fn lines_are_compared_without_times() {
     assert!(same("9.9 s: tree 7\nroof 12 0.5 s\n...\nall,1,..."));
     assert!(same("wall 13\nall,1,2,3"));
     assert!(!same("roof 12 0.5 s\nall,1,2,3"));
-    assert!(is_progress("cells: 34 % (12 of 35), about 2 min left") && !is_progress("error: 2.78 % expected, 3 % (1"));
     let other = compare(&block("wall    14\n...\nall,1,9,..."), printed);
     assert_eq!((other.now.join("\n").as_str(), other.wrong.is_some()), ("wall  13\n...\nall,1,2,...", true));
 }

@@ -11,7 +11,7 @@ use heliotile::output::remove_unfinished;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
 use signal_hook::flag;
 
-use super::voice::aside;
+use super::voice::{aside, tell_waiting};
 
 /// State that signals set.
 struct Signals {
@@ -51,6 +51,7 @@ fn registered() -> Signals {
         }
         if !is_watched.load(Ordering::Relaxed) {
             remove_unfinished();
+            tell_waiting();
             std::process::exit(ENDED_BY_SIGNAL + first.load(Ordering::Relaxed) as i32);
         }
         aside("stopping at the next checkpoint; interrupt again to stop immediately\n");

@@ -1,7 +1,6 @@
-//! Output for a person at the console besides results: sentences ([`voice`]), bars or lines of
-//! progress ([`terminal`]), and Ctrl-C ([`interrupt`]).
+//! Output for a person at the console besides results: sentences ([`voice`]), bars of progress
+//! ([`terminal`]), and Ctrl-C ([`interrupt`]).
 
 pub mod interrupt;
-mod progress_lines;
 pub mod terminal;
 pub mod voice;

@@ -1,50 +1,37 @@
-//! The observer of commands. In: stages, messages. Out: a progress bar on a terminal, a line now
-//! and then elsewhere, nothing with `--quiet`; warnings on standard error; Ctrl-C as a request to
+//! The observer of commands. In: stages, messages. Out: a progress bar on a terminal, nothing
+//! elsewhere and with `--quiet`; reports; warnings and notes for the end; Ctrl-C as a request to
 //! stop.
 
 use std::collections::HashMap;
 use std::fmt::Write;
 use std::io::IsTerminal;
-use std::sync::{LazyLock, Mutex, MutexGuard, OnceLock, PoisonError};
-use std::time::Instant;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use super::interrupt::{self, Watch};
-use super::progress_lines::{FIRST_LINE, ProgressLines};
-use super::voice::{aside, is_quiet, note, remark, remark_aside, warn};
+use super::voice::{is_quiet, is_verbose, note, remark, remark_aside, warn};
 use crate::cli::worded_text;
 use heliotile::text::Message;
 use heliotile::{Observer, Tone};
 
 /// Observer of every command.
 pub struct Terminal {
-    progress: Progress,
+    /// Bars of the stages under way; `None`: no progress is shown.
+    bars: Option<Mutex<Bars>>,
     /// Guard for work that can be resumed: while it lives, Ctrl-C is a request to stop.
     _watch: Option<Watch>,
     /// True if standard output is a table, so that reports go to standard error.
     is_beside_table: bool,
 }
 
-enum Progress {
-    Bars(Mutex<HashMap<&'static str, ProgressBar>>),
-    /// Plain lines; the thread starts with the first stage.
-    Lines(OnceLock<ProgressLines>),
-    Nothing,
-}
-
-/// Time when the command began, approximately: lines of progress count from here.
-static START: LazyLock<Instant> = LazyLock::new(Instant::now);
+/// Bars by the name of their stage.
+type Bars = HashMap<&'static str, ProgressBar>;
 
 impl Default for Terminal {
     fn default() -> Self {
-        LazyLock::force(&START);
-        let progress = match (is_quiet(), std::io::stderr().is_terminal()) {
-            (true, _) => Progress::Nothing,
-            (_, true) => Progress::Bars(Mutex::default()),
-            _ => Progress::Lines(OnceLock::new()),
-        };
-        Terminal { progress, _watch: None, is_beside_table: false }
+        let has_bars = !is_quiet() && std::io::stderr().is_terminal();
+        Terminal { bars: has_bars.then(Mutex::default), _watch: None, is_beside_table: false }
     }
 }
 
@@ -59,50 +46,34 @@ impl Terminal {
     pub fn watching_beside_table() -> Self {
         Terminal { is_beside_table: true, ..Terminal::watching() }
     }
-}
 
-fn locked<'a>(
-    bars: &'a Mutex<HashMap<&'static str, ProgressBar>>,
-) -> MutexGuard<'a, HashMap<&'static str, ProgressBar>> {
-    // A thread that panicked leaves usable bars.
-    bars.lock().unwrap_or_else(PoisonError::into_inner)
+    fn bars(&self) -> Option<MutexGuard<'_, Bars>> {
+        // A thread that panicked leaves usable bars.
+        self.bars.as_ref().map(|bars| bars.lock().unwrap_or_else(PoisonError::into_inner))
+    }
 }
 
 impl Observer for Terminal {
     fn begin(&self, stage: &'static str, items: Option<u64>) {
-        match &self.progress {
-            Progress::Bars(bars) => drop(locked(bars).insert(stage, bar(stage, items))),
-            Progress::Lines(lines) => {
-                let tell = |text: &str| aside(&format!("{text}\n"));
-                lines.get_or_init(|| ProgressLines::new(*START, FIRST_LINE, tell)).begin(stage, items);
-            }
-            Progress::Nothing => {}
-        }
+        self.bars().into_iter().for_each(|mut bars| drop(bars.insert(stage, bar(stage, items))));
     }
 
     fn advance(&self, stage: &'static str, items: u64) {
-        match &self.progress {
-            Progress::Bars(bars) => locked(bars).get(stage).into_iter().for_each(|bar| bar.inc(items)),
-            Progress::Lines(lines) => lines.get().into_iter().for_each(|lines| lines.advance(stage, items)),
-            Progress::Nothing => {}
-        }
+        self.bars().iter().filter_map(|bars| bars.get(stage)).for_each(|bar| bar.inc(items));
     }
 
     fn end(&self, stage: &'static str) {
-        match &self.progress {
-            Progress::Bars(bars) => locked(bars).remove(stage).into_iter().for_each(|bar| bar.finish_and_clear()),
-            Progress::Lines(lines) => lines.get().into_iter().for_each(|lines| lines.end(stage)),
-            Progress::Nothing => {}
-        }
+        self.bars().and_then(|mut bars| bars.remove(stage)).into_iter().for_each(|bar| bar.finish_and_clear());
     }
 
     fn tell(&self, tone: Tone, message: Message) {
         match tone {
             Tone::Warning => warn(message),
             Tone::Note => note(message),
-            Tone::Report if self.is_beside_table => remark_aside(message),
+            Tone::Detail if !is_verbose() => {}
+            Tone::Report | Tone::Detail if self.is_beside_table => remark_aside(message),
             // A closed standard output does not end the work.
-            Tone::Report => drop(remark(message)),
+            Tone::Report | Tone::Detail => drop(remark(message)),
         }
     }
 

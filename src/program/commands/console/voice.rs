@@ -1,10 +1,12 @@
 //! Messages of the program besides its tables. In: sentences. Out: results on standard output,
-//! remarks that `--quiet` leaves out, warnings of one line each, whose lists `--verbose` shows.
+//! remarks that `--quiet` leaves out, and last of all warnings and notes of one line each, whose
+//! lists `--verbose` shows.
 
 use std::borrow::Cow;
 use std::io::{ErrorKind, Write};
 use std::path::Path;
 use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use crate::cli::worded_text;
 use heliotile::text::Message;
@@ -15,14 +17,17 @@ use heliotile::{Error, Result};
 pub enum Volume {
     /// Results, warnings and errors.
     Quiet,
-    /// Also progress and remarks.
+    /// Also progress, remarks and notes.
     #[default]
     Usual,
-    /// Also the lists behind warnings.
+    /// Also the details of the work and the lists behind warnings.
     Verbose,
 }
 
 static VOLUME: AtomicU8 = AtomicU8::new(Volume::Usual as u8);
+
+/// Warnings and notes that wait for the results of the command.
+static WAITING: Mutex<Vec<String>> = Mutex::new(Vec::new());
 
 /// Sets the amount of messages for the whole program.
 pub fn set_volume(volume: Volume) {
@@ -31,6 +36,10 @@ pub fn set_volume(volume: Volume) {
 
 pub fn is_quiet() -> bool {
     VOLUME.load(Ordering::Relaxed) == Volume::Quiet as u8
+}
+
+pub fn is_verbose() -> bool {
+    VOLUME.load(Ordering::Relaxed) == Volume::Verbose as u8
 }
 
 /// Writes a result to standard output; a reader that has closed it is no error.
@@ -54,16 +63,34 @@ pub fn remark_aside(text: impl Into<Message>) {
     }
 }
 
-/// Writes a note to standard error: a fact that the user may want to know and that is no problem.
+/// Keeps a note for the end of the command, unless `--quiet` is given: a fact that the user may
+/// want to know and that is no problem.
 pub fn note(text: impl Into<Message>) {
-    remark_aside(Message::from("note: ").and(text).and("\n"));
+    if !is_quiet() {
+        keep("note", &text.into());
+    }
 }
 
-/// Prints a warning of a command that continues: its first line, and with `--verbose` the list
-/// behind it.
+/// Keeps a warning for the end of the command: its first line, and with `--verbose` the list behind
+/// it.
 pub fn warn(text: impl Into<Message>) {
-    let verbose = VOLUME.load(Ordering::Relaxed) == Volume::Verbose as u8;
-    aside(&format!("warning: {}\n", shortened(&worded_text(&text.into()), verbose)));
+    keep("warning", &text.into());
+}
+
+/// Keeps a line for the end of the command, once.
+fn keep(kind: &str, text: &Message) {
+    let line = format!("{kind}: {}\n", shortened(&worded_text(text), is_verbose()));
+    let mut waiting = WAITING.lock().unwrap_or_else(PoisonError::into_inner);
+    if !waiting.contains(&line) {
+        waiting.push(line);
+    }
+}
+
+/// Writes the warnings, then the notes, to standard error, each kind in its order.
+pub fn tell_waiting() {
+    let mut lines = std::mem::take(&mut *WAITING.lock().unwrap_or_else(PoisonError::into_inner));
+    lines.sort_by_key(|line| line.starts_with("note: "));
+    aside(&lines.concat());
 }
 
 /// Writes to standard error; a closed one must not end the work.

@@ -7,6 +7,7 @@ use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 use std::path::Path;
 
 use super::console::terminal::Terminal;
+use super::console::voice::tell_waiting;
 use super::{Outcome, remark, warn};
 use heliotile::archive::{OpenSite, hold, open_archive};
 use heliotile::atlas::{Atlas, PARTS, archive_of, built, list};
@@ -82,6 +83,8 @@ pub fn run(args: &View, _: Provenance) -> Result<Outcome> {
             ServedArchive::Parts { list: list(&parts), files: files.collect() }
         }
     };
+    // The page is served until the program is stopped.
+    tell_waiting();
     serve(listener, Served { page, packed_page, archive, after, weather })?;
     Ok(Outcome::Fine)
 }

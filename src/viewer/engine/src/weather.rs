@@ -24,7 +24,6 @@ use serde_json::json;
 use crate::answer::{Answer, Numbers};
 use crate::asked::Span;
 use crate::failure::{Failure, worded_text};
-use heliotile_core::text::Message;
 
 /// Minutes of a day.
 const DAY_MIN: f64 = 1440.0;
@@ -50,7 +49,7 @@ impl LoadedWeather {
         let (place, steps_an_hour) = (manifest.place, manifest.settings.steps());
         let mut weather = parse_weather_as(Path::new(name), bytes, options, &mut || Ok(place))?;
         let apart = place.and_then(|place| far_apart(&place, &weather));
-        weather.report.warnings.extend(apart.map(Message::from));
+        weather.report.warnings.extend(apart);
         Ok(LoadedWeather {
             steps: weather.steps_of(steps_an_hour),
             conditions: vec![None; weather.rows.len()],
