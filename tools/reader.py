@@ -469,7 +469,7 @@ def crossings(raw, rows, s, kind):
     """The rows of a block of canopies, the keys of the cells of leaves that are seen, and the materials that are crossed."""
     found = rows_of_bytes(raw, rows)
     lengths, at, seen, crossed = struct.unpack(f"<{rows}I", found["lengths"]), 4 * rows, [], set()
-    side = min(2 * s["sky_base"], s["sky_fine"])
+    side = min(4 * s["sky_base"], s["sky_fine"])
     while side > 256 and side % 2 == 0:
         side //= 2
     rays = {"canopy": (side ** 2, s["hit"] ** 2), "probe-canopy": (s["probe"] ** 2, s["probe_hits"]),

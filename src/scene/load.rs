@@ -44,8 +44,11 @@ use heliotile_core::site::ground::MonthlyGround;
 use heliotile_core::site::material::Class;
 use heliotile_core::site::scene_object::{ObjectNote, SceneObject};
 use heliotile_core::site::semantics::SourceFace;
-use heliotile_core::text::{Message, message, with_list};
+use heliotile_core::text::{Message, counted, message, with_list};
 use heliotile_place::reference::Reference;
+
+/// Least height of a roof above the ground: trees below one stand in a house, metres.
+const LEAST_ROOF_M: f64 = 1.0;
 
 /// Most reasons for leaving out faces that get a warning each; more reasons become one list.
 const MAX_REASONS: usize = 2;
@@ -303,15 +306,50 @@ impl Pile {
         if !files.is_empty() {
             self.report.notes.extend(raise(&mut files, &below)?);
         }
-        for Outlined { part, geometry } in &mut outlines {
-            for tree in std::mem::take(&mut geometry.trees) {
-                let ground_m = below.height(tree.at).unwrap_or(part.shift().z);
-                plant(&part.file, geometry, &tree, ground_m)?;
-            }
+        if outlines.iter().any(|of| !of.geometry.trees.is_empty()) {
+            self.plant_trees(&mut outlines, &below, palette)?;
         }
         for Outlined { part, geometry } in outlines {
             // Their coordinates are scene coordinates already.
             self.add(&part, geometry, palette, Some(&|p| p))?;
+        }
+        Ok(())
+    }
+
+    /// Adds the hulls of trees to the geometry of their files. Trees in houses are left out.
+    fn plant_trees(&self, outlines: &mut [Outlined], ground: &GroundBelow, palette: &Palette) -> Result<()> {
+        let corner = |corner: u32| self.positions.get(corner as usize).copied().unwrap_or_default();
+        let is_house = |material| {
+            let (class, is_canopy) = palette.class(material);
+            class != Class::Ground && !is_canopy
+        };
+        let houses = self.triangles.iter().filter(|triangle| is_house(triangle.material));
+        let mut houses: Vec<[DVec3; 3]> = houses.map(|triangle| triangle.corners.map(corner)).collect();
+        for Outlined { geometry, .. } in outlines.iter() {
+            let corner = |corner: u32| geometry.vertices.get(corner as usize).copied().unwrap_or_default();
+            houses
+                .extend(polygon::triangulate(geometry)?.triangles.iter().map(|triangle| triangle.corners.map(corner)));
+        }
+        let lowest = houses.iter().flatten().map(|corner| corner.z).reduce(f64::min);
+        let roofs = GroundBelow::new(Vec::new(), houses);
+        for Outlined { part, geometry } in outlines {
+            let mut without_ground = 0;
+            for tree in std::mem::take(&mut geometry.trees) {
+                let known = ground.height(tree.at);
+                let ground_m = known.or(lowest).unwrap_or(part.shift().z);
+                if roofs.height(tree.at).is_some_and(|roof_m| roof_m > ground_m + LEAST_ROOF_M) {
+                    geometry.leave_out("as trees that stand in a house, or below a roof");
+                    continue;
+                }
+                without_ground += u64::from(known.is_none() && !ground.is_empty());
+                plant(&part.file, geometry, &tree, ground_m)?;
+            }
+            if without_ground > 0 {
+                geometry.doubts.push(message!(
+                    "{} beyond the ground: the lowest height of the houses is taken for theirs",
+                    counted(without_ground, "tree")
+                ));
+            }
         }
         Ok(())
     }

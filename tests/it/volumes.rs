@@ -3,16 +3,20 @@
 use glam::DVec3;
 use heliotile_builder::pipeline::PreparedScene;
 use heliotile_builder::reference::{PathTracer, ReferenceSky};
-use heliotile_builder::settings::{BuildSettings, Effects};
+use heliotile_builder::settings::ladder::Rungs;
+use heliotile_builder::settings::{Effects, Quality};
+use heliotile_core::archive::Archive;
 use heliotile_core::error::Problem;
 use heliotile_core::hemisphere::mix;
 use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::light::states::Schedule;
+use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::Component::{SkyReflected, SunReflected, Total};
 use heliotile_core::site::material::{BROADLEAF_DIFFUSE, Class, Material, left_after_metre};
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::conditions::Condition;
+use heliotile_results::GapFractions;
 use heliotile_scene::Scene;
 
 use crate::canopy::columns;
@@ -99,6 +103,21 @@ fn light_is_dimmed_by_the_length_of_its_way() {
             check("slab, sky", total[4], open * 2.0 * e3(0.5 * density * thick), open);
         }
     }
+    // Rings of zenith angles, and the leaf area index of the slab: 3 m2/m2.
+    let archive = Archive::open(&built.path).expect("an archive");
+    let gaps = GapFractions::new(&OpenSite::open(&archive).expect("a site")).expect("gaps");
+    let gaps = gaps.tile(0, std::iter::once(DVec3::Z)).expect("a tile")[0].expect("a level receiver");
+    for ((middle, width), share) in
+        [(7.0, 12.2), (23.0, 12.2), (38.0, 11.8), (53.0, 13.2), (68.0, 13.2)].into_iter().zip(gaps.shares)
+    {
+        let zenith = |i: i32| f64::to_radians(middle + width * ((f64::from(i) + 0.5) / 1000.0 - 0.5));
+        let [light, all] = (0..1000).map(|i| zenith(i)).fold([0.0, 0.0], |[light, all], angle| {
+            [light + angle.sin() * (-1.5 / angle.cos()).exp(), all + angle.sin()]
+        });
+        check("ring", share, light / all, 1.0);
+    }
+    let index = gaps.leaf_area_index.expect("leaves");
+    assert!((index / 3.0 - 1.0).abs() < 0.01, "{index}");
     // Behind the middle of a sphere, and a cone at half of its radius.
     let behind = |scene: &Scene, at: DVec3, towards: &Condition| {
         let receivers = [receiver("behind", at, towards.sky_sun)];
@@ -156,8 +175,9 @@ fn around() -> Vec<Receiver> {
 }
 
 /// Around a tree before a wall, an avenue of six and a wood of sixteen, under 3 suns and a sky, all
-/// light of the places around them is that of the reference path tracer with volumes: in the mean
-/// within 0.2 %, with an RMSE of at most 1 %.
+/// light of the places around them is that of the reference path tracer with volumes: at `standard`
+/// and `fine` in the mean within 0.2, 0.5 and 1.2 %, with an RMSE of at most 1, 2 and 2.5 %. What is
+/// left in the wood is light of leaves, whose cells are as wide as 1 m and more.
 #[test]
 fn crowns_scatter_like_the_reference_path_tracer() {
     let conditions =
@@ -172,48 +192,38 @@ fn crowns_scatter_like_the_reference_path_tracer() {
     let avenue: Vec<(f64, f64)> = (-1..=1).flat_map(|i| [-6.0, 0.0].map(|y| (6.0 * f64::from(i), y))).collect();
     let wood: Vec<(f64, f64)> =
         (-2..2).flat_map(|i| (-3..1).map(move |k| (4.2 * f64::from(i) + 1.0, 4.2 * f64::from(k)))).collect();
-    for (name, scene) in [("tree", tree(1.0)), ("avenue", trees(&avenue)), ("wood", trees(&wood))] {
+    for (name, scene, limits) in
+        [("tree", tree(1.0), [0.2, 1.0]), ("avenue", trees(&avenue), [0.5, 2.0]), ("wood", trees(&wood), [1.2, 2.5])]
+    {
         let receivers = around();
-        let rows =
-            site(&scene, &receivers, &BuildSettings::default()).replay(&conditions, SkyModel::Uniform, MaxBounces::All);
+        let grades: Vec<_> = [Quality::Standard, Quality::Fine]
+            .map(|quality| {
+                let settings = Rungs::new(quality).settings();
+                site(&scene, &receivers, &settings).replay(&conditions, SkyModel::Uniform, MaxBounces::All)
+            })
+            .into();
         let prepared = PreparedScene::new(&scene).expect("trees");
         let tracer = PathTracer::new(&prepared, Effects::NONE);
-        let (mut off, mut all, mut diffuse) = (Vec::new(), 0.0, 0.0);
+        let (mut off, mut all, mut diffuse) = ([Vec::new(), Vec::new()], 0.0, 0.0);
         for (number, of) in receivers.iter().enumerate() {
             let reference =
                 tracer.irradiance(of.position, of.normal, &skies.each_ref(), 1 << 14, mix(5, number as u64));
             for (i, reference) in reference.iter().enumerate() {
-                off.push(rows[&of.id][i].total - reference.mean[Total as usize]);
+                for (off, rows) in off.iter_mut().zip(&grades) {
+                    off.push(rows[&of.id][i].total - reference.mean[Total as usize]);
+                }
                 all += reference.mean[Total as usize];
                 diffuse += reference.mean[SunReflected as usize] + reference.mean[SkyReflected as usize];
             }
         }
-        if std::env::var("DBG").is_ok() {
-            for (number, of) in receivers.iter().enumerate() {
-                let reference =
-                    tracer.irradiance(of.position, of.normal, &skies.each_ref(), 1 << 13, mix(5, number as u64));
-                for (i, r) in reference.iter().enumerate() {
-                    let row = &rows[&of.id][i];
-                    println!(
-                        "{number} {i} at {:.1?} direct {:.1} {:.1}  sky {:.1} {:.1}  sunr {:.2} {:.2} skyr {:.2} {:.2}",
-                        of.position,
-                        row.sun_direct,
-                        r.mean[0],
-                        row.sky_direct,
-                        r.mean[1],
-                        row.sun_reflected,
-                        r.mean[SunReflected as usize],
-                        row.sky_reflected,
-                        r.mean[SkyReflected as usize]
-                    );
-                }
-            }
+        for (grade, off) in ["standard", "fine"].into_iter().zip(off) {
+            let count = off.len() as f64;
+            let (bias, squares) =
+                (off.iter().sum::<f64>() / count, off.iter().map(|off| off * off).sum::<f64>() / count);
+            let [bias, rmse] = [bias, squares.sqrt()].map(|off| 100.0 * off / (all / count));
+            assert!(bias.abs() < limits[0] && rmse < limits[1], "{name} {bias} {rmse}");
+            println!("{name}, {grade}: bias {bias:.2} %, RMSE {rmse:.2} %, reflected {:.0} %", 100.0 * diffuse / all);
         }
-        let count = off.len() as f64;
-        let (bias, squares) = (off.iter().sum::<f64>() / count, off.iter().map(|off| off * off).sum::<f64>() / count);
-        let [bias, rmse] = [bias, squares.sqrt()].map(|off| 100.0 * off / (all / count));
-        println!("{name}: bias {bias:.2} %, RMSE {rmse:.2} %, reflected {:.0} %", 100.0 * diffuse / all);
-        assert!(bias.abs() < 0.2 && rmse < 1.0, "{name} {bias} {rmse}");
     }
 }
 

@@ -60,15 +60,15 @@ impl SiteTracer<'_> {
             let near = |at: usize| at.saturating_sub(1)..(at + 2).min(side);
             near(row).any(|row| near(column).any(|column| shown[row * side + column]))
         };
-        let texels = texels_in_blocks(side).filter(open).map(|(column, row)| row * side + column);
-        let sky = view.sky_paths(side, texels, self.tracer);
+        let texels: Vec<(usize, usize)> = texels_in_blocks(side).filter(open).collect();
+        let (sky, to_sky) = canopies.towards_sky(view, side, &texels, self.tracer);
         let (n, scatter) = (self.settings.hit, lit && self.leaves_scatter());
         let seen: Vec<Path> = view.hit_paths(n, &hits.distances_m, scatter, self.tracer);
-        let (rays, cast) = ([side * side, n * n], (sky.len() + seen.len()) as u64);
+        let (rays, cast) = ([side * side, n * n], to_sky + seen.len() as u64);
         let mut passages = canopies.passages(&seen);
         let leaves = if scatter { self.leaves_of_receiver(view, canopies, &passages) } else { Vec::new() };
         passages.retain(|passage| hits.distances_m[passage.place as usize].is_finite());
-        let crossings = [&canopies.crossings(&sky)[..], &canopies.counted(&passages)];
+        let crossings = [&sky[..], &canopies.counted(&passages)];
         (Canopy::new(crossings, rays, leaves), cast)
     }
 

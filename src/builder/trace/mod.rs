@@ -3,6 +3,7 @@
 //! reflectances.
 
 pub mod canopy;
+mod canopy_sky;
 pub(crate) mod change;
 pub(crate) mod hidden;
 pub mod kernel;

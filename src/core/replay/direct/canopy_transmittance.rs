@@ -81,12 +81,12 @@ impl CanopyTransmittance {
 mod tests {
     use super::*;
 
-    /// For 5 pairs of sides, with squares of 16, 4, 256, 66 and 150 texels a side, shares that rise
+    /// For 5 pairs of sides, with squares of 32, 4, 256, 66 and 150 texels a side, shares that rise
     /// evenly are interpolated to the share at the middle of each fine texel (1e-5), inside of the
     /// square, and the sum over a base texel is that of its texels of the square (1e-9).
     #[test]
     fn shares_are_interpolated() {
-        for (base, fine, side) in [(8, 64, 16), (4, 4, 4), (512, 1024, 256), (33, 66, 66), (300, 600, 150)] {
+        for (base, fine, side) in [(8, 64, 32), (4, 4, 4), (512, 1024, 256), (33, 66, 66), (300, 600, 150)] {
             let sides = TextureSides { sky_base: base, sky_fine: fine, response: 1 };
             assert_eq!(sky_side(base, fine), side);
             let rise = |x: f64, y: f64| (0.1 + 0.3 * x + 0.5 * y) as f32;
