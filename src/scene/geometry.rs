@@ -13,7 +13,7 @@ use crate::geocentric::LocalFrame;
 use crate::ground::model::ModelGround;
 use crate::materials::select::MaterialTable;
 use crate::placing::y_up::HeaderUp;
-use crate::trees::TreePoint;
+use crate::tree_point::TreePoint;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::scene_object::ObjectNote;
 use heliotile_core::site::semantics::{FaceNote, SourceFace, SurfaceKind};

@@ -60,6 +60,7 @@ pub mod mesh_objects;
 pub mod mirrors;
 mod model_version;
 pub mod objects;
+mod outlined;
 #[cfg(test)]
 mod packed_tests;
 mod palette;
@@ -80,6 +81,7 @@ mod test_files;
 #[cfg(test)]
 mod tests;
 mod text;
+mod tree_point;
 mod trees;
 
 use std::path::Path;

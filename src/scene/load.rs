@@ -10,7 +10,6 @@ use glam::DVec3;
 
 use crate::coordinate::is_position;
 use crate::footprints::ground_below::GroundBelow;
-use crate::footprints::raised::{FootprintFile, raise};
 use crate::formats;
 use crate::formats::{Content, ReadOptions};
 use crate::geometry::{Geometry, Names};
@@ -21,6 +20,7 @@ use crate::ground::missing::{BELOW_M, heights};
 use crate::ground::model::{ModelGround, USUAL};
 use crate::mesh::{Canonical, RawTriangle, bounds, canonical};
 use crate::mesh_objects::{MeshObjects, ranked};
+use crate::outlined::{Outlined, raise_all};
 use crate::palette::Palette;
 use crate::placing::extent::{Extent, Walls};
 use crate::placing::frame::SiteFrame;
@@ -37,18 +37,14 @@ use crate::terrain::mosaic::{Tile, joined};
 use crate::terrain::raster::Raster;
 use crate::terrain::surface;
 use crate::terrain::surface::{RasterOptions, surface};
-use crate::trees::plant;
 use crate::{LoadReport, Scene, contested_warning, count_uses, rank_by_name};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::ground::MonthlyGround;
 use heliotile_core::site::material::Class;
 use heliotile_core::site::scene_object::{ObjectNote, SceneObject};
 use heliotile_core::site::semantics::SourceFace;
-use heliotile_core::text::{Message, counted, message, with_list};
+use heliotile_core::text::{Message, message, with_list};
 use heliotile_place::reference::Reference;
-
-/// Least height of a roof above the ground: trees below one stand in a house, metres.
-const LEAST_ROOF_M: f64 = 1.0;
 
 /// Most reasons for leaving out faces that get a warning each; more reasons become one list.
 const MAX_REASONS: usize = 2;
@@ -124,42 +120,6 @@ struct Aside {
     triangles: Vec<RawTriangle>,
     objects: Vec<u32>,
     faces: Vec<u32>,
-}
-
-/// A file of footprints, in scene coordinates.
-struct Outlined {
-    part: Part,
-    geometry: Geometry,
-}
-
-impl Outlined {
-    fn new(part: Part, mut geometry: Geometry) -> Self {
-        geometry.vertices.iter_mut().for_each(|vertex| *vertex = part.place(*vertex));
-        for corner in geometry.footprints.iter_mut().flat_map(|footprint| &mut footprint.polygons).flatten().flatten() {
-            *corner = part.place(corner.extend(0.0)).truncate();
-        }
-        for tree in &mut geometry.trees {
-            tree.at = part.place(tree.at.extend(0.0)).truncate();
-        }
-        Outlined { part, geometry }
-    }
-
-    /// Returns the EPSG number of its plane system.
-    fn epsg(&self) -> Option<u32> {
-        match self.part.reference.or(self.geometry.reference) {
-            Some(Reference::Epsg(epsg)) => Some(epsg),
-            _ => None,
-        }
-    }
-
-    fn file(&mut self) -> FootprintFile<'_> {
-        FootprintFile {
-            file: &self.part.file,
-            elevation_m: self.part.shift().z,
-            footprints: std::mem::take(&mut self.geometry.footprints),
-            geometry: &mut self.geometry,
-        }
-    }
 }
 
 impl Scene {
@@ -301,55 +261,16 @@ impl Pile {
             self.triangles.iter().filter(|triangle| palette.class(triangle.material) == (Class::Ground, false));
         let ground = ground.map(|triangle| triangle.corners.map(corner)).collect();
         let below = GroundBelow::new(terrain.iter().map(|tile| &tile.raster).collect(), ground);
-        let mut files: Vec<FootprintFile> =
-            outlines.iter_mut().filter(|of| !of.geometry.footprints.is_empty()).map(Outlined::file).collect();
-        if !files.is_empty() {
-            self.report.notes.extend(raise(&mut files, &below)?);
-        }
-        if outlines.iter().any(|of| !of.geometry.trees.is_empty()) {
-            self.plant_trees(&mut outlines, &below, palette)?;
-        }
-        for Outlined { part, geometry } in outlines {
-            // Their coordinates are scene coordinates already.
-            self.add(&part, geometry, palette, Some(&|p| p))?;
-        }
-        Ok(())
-    }
-
-    /// Adds the hulls of trees to the geometry of their files. Trees in houses are left out.
-    fn plant_trees(&self, outlines: &mut [Outlined], ground: &GroundBelow, palette: &Palette) -> Result<()> {
-        let corner = |corner: u32| self.positions.get(corner as usize).copied().unwrap_or_default();
         let is_house = |material| {
             let (class, is_canopy) = palette.class(material);
             class != Class::Ground && !is_canopy
         };
         let houses = self.triangles.iter().filter(|triangle| is_house(triangle.material));
-        let mut houses: Vec<[DVec3; 3]> = houses.map(|triangle| triangle.corners.map(corner)).collect();
-        for Outlined { geometry, .. } in outlines.iter() {
-            let corner = |corner: u32| geometry.vertices.get(corner as usize).copied().unwrap_or_default();
-            houses
-                .extend(polygon::triangulate(geometry)?.triangles.iter().map(|triangle| triangle.corners.map(corner)));
-        }
-        let lowest = houses.iter().flatten().map(|corner| corner.z).reduce(f64::min);
-        let roofs = GroundBelow::new(Vec::new(), houses);
+        let houses = houses.map(|triangle| triangle.corners.map(corner)).collect();
+        self.report.notes.extend(raise_all(&mut outlines, &below, houses)?);
         for Outlined { part, geometry } in outlines {
-            let mut without_ground = 0;
-            for tree in std::mem::take(&mut geometry.trees) {
-                let known = ground.height(tree.at);
-                let ground_m = known.or(lowest).unwrap_or(part.shift().z);
-                if roofs.height(tree.at).is_some_and(|roof_m| roof_m > ground_m + LEAST_ROOF_M) {
-                    geometry.leave_out("as trees that stand in a house, or below a roof");
-                    continue;
-                }
-                without_ground += u64::from(known.is_none() && !ground.is_empty());
-                plant(&part.file, geometry, &tree, ground_m)?;
-            }
-            if without_ground > 0 {
-                geometry.doubts.push(message!(
-                    "{} beyond the ground: the lowest height of the houses is taken for theirs",
-                    counted(without_ground, "tree")
-                ));
-            }
+            // Their coordinates are scene coordinates already.
+            self.add(&part, geometry, palette, Some(&|p| p))?;
         }
         Ok(())
     }

@@ -1,7 +1,7 @@
 //! Canopies: leaves, screens and volumes of leaves. They stop no ray; the tracer counts how often
-//! rays cross them, and how far they go inside of volumes. In: rays and their lengths. Out: for each
-//! ray the number of crossings of each such material, or the length inside, and the leaves on its
-//! way that scatter light.
+//! rays cross them, and how far they go inside of volumes. In: rays and their lengths. Out: for
+//! each ray the number of crossings of each such material, or the length inside, and the leaves on
+//! its way that scatter light.
 //!
 //! Triangles that touch and are hit at one distance count as one leaf: a ray through an edge of two
 //! triangles, or through the two faces of a leaf drawn from both sides, crosses once. Where faces
@@ -202,8 +202,8 @@ impl<'a> Canopies<'a> {
         }
     }
 
-    /// Returns the count or the code before a leaf, `None` for next to nothing. Lengths are rounded,
-    /// so that leaves of a cell behind about as many others are one.
+    /// Returns the count or the code before a leaf, `None` for next to nothing. Lengths are
+    /// rounded, so that leaves of a cell behind about as many others are one.
     fn code_before(&self, material: u16, amount: f64) -> Option<u16> {
         let code = self.code(material, amount);
         match self.volumes.stopped(material) {
@@ -303,10 +303,13 @@ pub fn in_hulls(count: u64) -> Option<String> {
     ))
 }
 
+/// Cell of leaves, and the materials that are crossed before it, with counts or codes of lengths.
+type LeafKey = (CellKey, Vec<(u16, u16)>);
+
 /// Seen leaves, gathered by cell and by the leaves in front of them.
 pub(crate) struct SeenLeaves<'a> {
     canopies: &'a Canopies<'a>,
-    shares: BTreeMap<(CellKey, Vec<(u16, u16)>), f64>,
+    shares: BTreeMap<LeafKey, f64>,
 }
 
 impl<'a> SeenLeaves<'a> {
@@ -342,7 +345,7 @@ impl<'a> SeenLeaves<'a> {
         let step = if self.shares.len() > most { all / most as f64 } else { 0.0 };
         let mut at = unit(mix(seed, 0x6c65_6166)) * step;
         // A leaf is drawn once for every `step` that its weight spans.
-        let mut drawn = |((cell, before), share): (&(CellKey, Vec<(u16, u16)>), &f64)| {
+        let mut drawn = |((cell, before), share): (&LeafKey, &f64)| {
             let own = self.weight(before, *share);
             let mut share = *share;
             if step > 0.0 {

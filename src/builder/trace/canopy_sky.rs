@@ -17,7 +17,7 @@ use heliotile_core::hemisphere::texel_direction;
 use heliotile_core::site::crossing::Crossing;
 
 /// Largest difference of the light left along neighbouring rays, at the usual density of leaves,
-/// between which lengths are interpolated. With 0.1, light below an even slab was off by up to 0.21 %.
+/// between which lengths are interpolated.
 const MOST_APART: f64 = 0.04;
 
 /// Materials that a ray crosses, ascending, with the number of crossings, or the length inside.

@@ -67,8 +67,8 @@ impl TransmittanceStates {
     }
 }
 
-/// Returns the share of light left after 0 to 1023 crossings of a transmittance, or in a volume after
-/// the lengths of these codes (law of Beer and Lambert).
+/// Returns the share of light left after 0 to 1023 crossings of a transmittance, or in a volume
+/// after the lengths of these codes (law of Beer and Lambert).
 fn powers(tau: f64, volume: bool) -> [f32; COUNTS] {
     let stopped = -tau.ln();
     std::array::from_fn(|code| match (volume, code) {

@@ -1,5 +1,5 @@
-//! Reflectances, transmittances and densities of leaves that a replay changes. In: the changes that a user requests, the
-//! archive's materials, the weather. Out: checked schedules of materials.
+//! Reflectances, transmittances and densities of leaves that a replay changes. In: the changes that
+//! a user requests, the archive's materials, the weather. Out: checked schedules of materials.
 
 use crate::named::NamedValues;
 use crate::text::{Message, message};
@@ -85,13 +85,13 @@ pub struct Changes {
     #[field(skip)]
     pub snow: Option<(Snow, f64)>,
     /// Change the transmittance of canopies, the share of light that each of their faces, or each
-    /// metre of a volume of leaves, lets through: GROUP=0.4, or a CSV as for --schedule, with a column `transmittance` (leaves by
-    /// season); may be repeated, the last one counts.
+    /// metre of a volume of leaves, lets through: GROUP=0.4, or a CSV as for --schedule, with a
+    /// column `transmittance` (leaves by season); may be repeated, the last one counts.
     #[field(metavar = "GROUP=VALUE|FILE", parse = parse_named, input = Any)]
     pub transmittance: Vec<(String, ConstantOrFile)>,
     /// Change the leaf area density of crowns that are volumes of leaves, m2/m3: GROUP=0.8, or a
-    /// CSV as for --schedule, with a column `leaf_area_density` (leaves by season); may be repeated,
-    /// the last one counts.
+    /// CSV as for --schedule, with a column `leaf_area_density` (leaves by season); may be
+    /// repeated, the last one counts.
     #[field(metavar = "GROUP=VALUE|FILE", parse = parse_named, input = Any)]
     pub leaf_area_density: Vec<(String, ConstantOrFile)>,
 }

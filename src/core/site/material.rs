@@ -85,8 +85,8 @@ pub const LEAF_PROJECTION: f64 = 0.5;
 /// sun's energy is visible, of which leaves scatter 0.10 + 0.05, half near infrared, 0.45 + 0.25
 /// (Dorman and Sellers 1989, as in table 3.1 of the Community Land Model 4.5, Oleson et al. 2013).
 pub const BROADLEAF_DIFFUSE: f64 = 0.425;
-/// Share of sunlight on needles of evergreen conifers that they scatter: 0.07 + 0.05 of the visible,
-/// 0.35 + 0.10 of the near infrared (same source).
+/// Share of sunlight on needles of evergreen conifers that they scatter: 0.07 + 0.05 of the
+/// visible, 0.35 + 0.10 of the near infrared (same source).
 pub const NEEDLE_DIFFUSE: f64 = 0.285;
 
 /// Leaf area density of street trees in leaf where nothing is stated, m2/m3. Light of the sun that

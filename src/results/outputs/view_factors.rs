@@ -49,8 +49,8 @@ impl ViewFactorTable {
 
     /// Appends a row. `views` are the cosine-weighted shares of sky, ground and obstructions; the
     /// remaining share meets nothing, below the horizon beyond the edge of the scene. `vsc_percent`
-    /// is the direct light of the CIE traditional overcast sky, percent of that on open ground. Cells
-    /// of gaps are empty where a receiver does not face the zenith.
+    /// is the direct light of the CIE traditional overcast sky, percent of that on open ground.
+    /// Cells of gaps are empty where a receiver does not face the zenith.
     pub fn row(&mut self, receiver: &str, views: [f32; 3], vsc_percent: f64, gaps: Option<Gaps>) -> Result<()> {
         let [sky, ground, obstruction] = views.map(f64::from);
         let nothing = (1.0 - sky - ground - obstruction).max(0.0);

@@ -266,8 +266,8 @@ fn noise_makes_no_wall() {
 }
 
 /// A lawn has a crown of 6 x 6 m and 8 m height. The hull of the crown has a top at 8 m and an
-/// underside at 2 m above the ground, 36 m2 each and 144 m2 at the sides; it is a volume of 1 m2/m3,
-/// and the hull is an object beside the buildings. The lawn keeps its 900 m2 and its
+/// underside at 2 m above the ground, 36 m2 each and 144 m2 at the sides; it is a volume of 1
+/// m2/m3, and the hull is an object beside the buildings. The lawn keeps its 900 m2 and its
 /// reflectance of 0.16.
 #[test]
 fn a_crown_over_a_lawn_is_a_hull() {

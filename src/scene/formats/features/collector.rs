@@ -20,7 +20,8 @@ use crate::footprints::region::{is_crossed, oriented, repaired, united};
 use crate::footprints::stated::{Heights, NO_HEIGHT, Stated};
 use crate::formats::ReadOptions;
 use crate::geometry::Geometry;
-use crate::trees::{TreePoint, stated_tree};
+use crate::tree_point::TreePoint;
+use crate::trees::stated_tree;
 use heliotile_core::site::semantics::FaceNote;
 
 /// Difference of corner heights above which a polygon is not level, metres.

@@ -80,7 +80,7 @@ mod tests {
         let (found, system) = trees("id,Longitude,Latitude,height\n7,4.3,52.1,9 m\n").expect("a register");
         assert_eq!((found[0].points[0].y, system.epsg), (52.1, Some(4326)));
         let wrong = trees("x,y\n1,2\n3,NaN\n").expect_err("no number");
-        assert!(wrong.to_string().starts_with("trees.csv:3: column `y` is `NaN`"), "{wrong}");
+        assert!(wrong.to_string().starts_with("trees.csv, line 3: column `y` is `NaN`"), "{wrong}");
         assert_eq!(trees("a,b\n1,2\n").expect_err("no places").problem(), Some(&Problem::Lacks("columns of places")));
     }
 }
