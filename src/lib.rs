@@ -158,8 +158,7 @@ pub mod covering {
 
 /// Materials: numbers in messages, files of changes.
 pub mod materials {
-    pub use heliotile_core::replay::reflectances::followed_files;
-    pub use heliotile_core::site::material::rounded;
+    pub use heliotile_core::site::material::{density_of, rounded};
 }
 
 /// Memory of the machine, and scratch space on disk.

@@ -59,7 +59,7 @@ MATERIALS = [("name", "s", text(1)), ("diffuse", "1d", share), ("specular", "1d"
              ("group", "s", text(0))]
 PARTS = [(name, "s", text(0)) for name in ("object", "building", "kind", "object_type", "face")]
 # kind: name, schema, columns of a table.
-OPTICS = [("panes", "1B", lambda p: p <= 2), ("canopy", "1B", share), ("transmittance", "1d", share)]
+OPTICS = [("panes", "1B", lambda p: p <= 2), ("canopy", "1B", lambda k: k <= 2), ("transmittance", "1d", share)]
 MIRRORS = [("normal", "3d", lambda n: abs(math.hypot(*n) - 1) <= 1e-6), ("material", "1H", None)]
 SCENE = [("vertex", "3f", lambda v: all(abs(x) <= 2**20 for x in v)), ("corner", "3I", None), ("material", "1H", None)]
 OVERVIEW = [
@@ -75,9 +75,9 @@ BANDS = [("material", "1H", None), ("property", "1B", lambda p: p <= 3), ("band"
          ("value", "1d", share)]
 KINDS = {1: ("receivers", 1, RECEIVERS), 2: ("sky", 1, None), 3: ("hit", 4, None), 4: ("response", 2, None),
          5: ("probes", 4, CELLS), 6: ("bounce", 4, CELLS), 7: ("index", 2, KEY), 8: ("mirror", 2, None),
-         9: ("canopy", 2, None), 10: ("materials", 2, MATERIALS), 11: ("optics", 1, OPTICS),
-         12: ("probe-mirror", 2, None), 13: ("bounce-mirror", 2, None), 14: ("probe-canopy", 2, None),
-         15: ("bounce-canopy", 2, None), 16: ("mirrors", 1, MIRRORS), 17: ("parts", 1, PARTS),
+         9: ("canopy", 3, None), 10: ("materials", 2, MATERIALS), 11: ("optics", 1, OPTICS),
+         12: ("probe-mirror", 2, None), 13: ("bounce-mirror", 2, None), 14: ("probe-canopy", 3, None),
+         15: ("bounce-canopy", 3, None), 16: ("mirrors", 1, MIRRORS), 17: ("parts", 1, PARTS),
          18: ("scene", 1, SCENE), 19: ("overview", 1, OVERVIEW), 20: ("extents", 1, EXTENTS),
          21: ("names", 1, NAMES), 22: ("objects", 2, OBJECTS), 23: ("bands", 2, BANDS)}
 EXTRAS = {8: "receivers", 9: "receivers", 12: "probes", 13: "bounce", 14: "probes", 15: "bounce"}
@@ -469,7 +469,7 @@ def crossings(raw, rows, s, kind):
     """The rows of a block of canopies, the keys of the cells of leaves that are seen, and the materials that are crossed."""
     found = rows_of_bytes(raw, rows)
     lengths, at, seen, crossed = struct.unpack(f"<{rows}I", found["lengths"]), 4 * rows, [], set()
-    side = min(2 * s["sky_base"], s["sky_fine"])
+    side = min(4 * s["sky_base"], s["sky_fine"])
     while side > 256 and side % 2 == 0:
         side //= 2
     rays = {"canopy": (side ** 2, s["hit"] ** 2), "probe-canopy": (s["probe"] ** 2, s["probe_hits"]),
@@ -481,7 +481,7 @@ def crossings(raw, rows, s, kind):
         crossed.update(materials)
         for count in rays * len(materials):
             bits, = row.take("<B")
-            need(bits <= 8, f"counts of {bits} bits")
+            need(bits <= 10, f"counts of {bits} bits")
             blocks = int.from_bytes(row.bytes(-(--(-count // 64) // 8)) if bits else b"", "little")
             last_block = blocks.bit_length() - 1
             words = row.bytes(8 * bits * blocks.bit_count())
@@ -489,10 +489,10 @@ def crossings(raw, rows, s, kind):
             need(not ends or 64 * last_block + max(ends) <= count, "a ray behind the last one")
         while row.at < length:
             (key, packed), share, before = row.key(), row.take("<f")[0], row.take("<B")[0]
-            before = [row.take("<HB") for _ in range(before)]
+            before = [row.take("<HH") for _ in range(before)]
             need(packed[1] >= LEAF, "no cell of leaves")
             need(0 < share <= 256 and all(a[0] < b[0] for a, b in zip(before, before[1:])), "a share or a list that cannot be")
-            need(all(count for _, count in before), "nothing is crossed")
+            need(all(0 < count < 1024 for _, count in before), "nothing is crossed, or too much")
             crossed |= {struct.unpack_from("<H", packed, 2)[0], *(material for material, _ in before)}
             need(last is None or last < (key, before), "leaves do not ascend")
             last = (key, before)

@@ -33,12 +33,18 @@ impl<'a> CsvRows<'a> {
     }
 
     /// Reads rows from a stream; errors name `file`.
-    pub fn new(mut input: Box<dyn Read + 'a>, file: &'a Path) -> Result<Self> {
+    pub fn new(input: Box<dyn Read + 'a>, file: &'a Path) -> Result<Self> {
+        CsvRows::delimited(input, file, b',')
+    }
+
+    /// Reads rows whose cells a byte delimits.
+    pub fn delimited(mut input: Box<dyn Read + 'a>, file: &'a Path, delimiter: u8) -> Result<Self> {
         let mut start = Vec::new();
         input.by_ref().take(3).read_to_end(&mut start).map_err(Error::io(file, "read"))?;
         let start = io::Cursor::new(without_byte_order_mark(&start).to_vec());
         let ahead = Ahead { input: Box::new(start.chain(input)), kept: Vec::new(), done: 0, offset: 0 };
         let reader = ReaderBuilder::new()
+            .delimiter(delimiter)
             .has_headers(false)
             .flexible(true)
             .trim(Trim::All)

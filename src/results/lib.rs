@@ -15,6 +15,7 @@
 //! | `compare` | [`CompareRequest`]: the light that a change of a site adds or takes |
 //! | `buildings`, `places`, `factors` | cadastre, places of modules, factors by sun position |
 //! | `shading` | light that each object takes from receivers and reflects to them |
+//! | `gap_fractions` | shares of the sky through leaves by rings of zenith angles |
 //! | `sky_components` | light of an overcast sky in percent of open ground |
 //! | `comfort` | thermal comfort of people: [`ComfortRequest`] |
 //! | `viewer` | [`PageRequest`], [`open_after`]: HTML file with one archive, or two compared |
@@ -35,6 +36,7 @@ pub mod compare;
 pub mod doubts;
 pub mod factors;
 pub mod files;
+pub mod gap_fractions;
 pub mod horizon;
 pub mod outputs;
 pub mod own_skies;
@@ -63,6 +65,7 @@ pub use files::{
     AreaChart, CityModelSink, MapFile, OutputRequest, Question, ResultSink, RowsAbout, crs_of, name_of, rows_of,
     surroundings,
 };
+pub use gap_fractions::GapFractions;
 pub use own_skies::{SkyChoice, SkyFiles};
 pub use places::{PlaceOn, PlacesRequest, PlacesSummary};
 pub use receivers::{PartReceivers, ReceiverChoice, ReceiverSet, TileReceivers};

@@ -15,7 +15,7 @@ use heliotile_core::light::paths::LightPaths;
 use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::observer::Observer;
 use heliotile_core::replay::components::{Component, ComponentList};
-use heliotile_core::replay::reflectances::{Changes, Snow, followed_files};
+use heliotile_core::replay::reflectances::{Changes, Snow};
 use heliotile_core::weather::conditions::Condition;
 use heliotile_core::weather::options::{StampedAt, WeatherOptions};
 use heliotile_core::weather::span::{Moment, Span};
@@ -98,7 +98,7 @@ impl LightRequest {
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         let bands = self.bands.files.iter().map(PathBuf::as_path);
         let skies = self.sky.file().into_iter().chain(self.sky_files.clouds.as_deref());
-        followed_files(&self.changes.scheduled, &self.changes.transmittance).chain(skies).chain(bands)
+        self.changes.files().chain(skies).chain(bands)
     }
 
     /// Returns how skies and clouds are read from files.

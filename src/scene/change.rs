@@ -66,7 +66,7 @@ impl SceneChange {
         let stays = |old: &Material, new: u16| {
             let new = after.materials.get(usize::from(new));
             new.is_some_and(|new| {
-                let kind = |of: &Material| (of.transmittance.is_some(), of.scatters(), of.mirrors());
+                let kind = |of: &Material| (of.transmittance.is_some(), of.volume, of.scatters(), of.mirrors());
                 kind(old) == kind(new)
             })
         };

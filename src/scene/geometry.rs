@@ -2,7 +2,7 @@
 //! and an object. In: what a reader finds, one item after the other. Out: lists in which every
 //! index is in range and every coordinate finite.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::ops::Range;
 use std::path::Path;
 
@@ -13,6 +13,7 @@ use crate::geocentric::LocalFrame;
 use crate::ground::model::ModelGround;
 use crate::materials::select::MaterialTable;
 use crate::placing::y_up::HeaderUp;
+use crate::tree_point::TreePoint;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::scene_object::ObjectNote;
 use heliotile_core::site::semantics::{FaceNote, SourceFace, SurfaceKind};
@@ -43,6 +44,8 @@ pub(super) struct Geometry {
     pub object_notes: HashMap<u32, ObjectNote>,
     /// Materials that the file itself describes.
     pub stated: MaterialTable,
+    /// Names among `stated` whose optics are assumptions of the reader, not of the file.
+    pub assumed: BTreeSet<String>,
     /// Place on Earth of the coordinates, if the file states it.
     pub reference: Option<Reference>,
     /// True if the reader converted plane coordinates to metres from the unit of their system.
@@ -68,6 +71,8 @@ pub(super) struct Geometry {
     pub is_raised: bool,
     /// Footprints of buildings, which become faces once the ground below is known.
     pub footprints: Vec<Footprint>,
+    /// Trees, which get their hulls once the ground below is known.
+    pub trees: Vec<TreePoint>,
 }
 
 #[derive(Debug)]

@@ -60,6 +60,7 @@ pub mod mesh_objects;
 pub mod mirrors;
 mod model_version;
 pub mod objects;
+mod outlined;
 #[cfg(test)]
 mod packed_tests;
 mod palette;
@@ -80,6 +81,8 @@ mod test_files;
 #[cfg(test)]
 mod tests;
 mod text;
+mod tree_point;
+mod trees;
 
 use std::path::Path;
 
@@ -306,7 +309,8 @@ impl Scene {
                 content.raw(&[glass.panes()]);
             }
             if let Some(transmittance) = material.transmittance {
-                content.bytes(b"transmittance");
+                let name = if material.volume { "leaf_area_density" } else { "transmittance" };
+                content.bytes(name.as_bytes());
                 content.number(transmittance);
             }
             for (property, band, value) in material.bands.all() {

@@ -10,7 +10,6 @@ use glam::DVec3;
 
 use crate::coordinate::is_position;
 use crate::footprints::ground_below::GroundBelow;
-use crate::footprints::raised::{FootprintFile, raise};
 use crate::formats;
 use crate::formats::{Content, ReadOptions};
 use crate::geometry::{Geometry, Names};
@@ -21,6 +20,7 @@ use crate::ground::missing::{BELOW_M, heights};
 use crate::ground::model::{ModelGround, USUAL};
 use crate::mesh::{Canonical, RawTriangle, bounds, canonical};
 use crate::mesh_objects::{MeshObjects, ranked};
+use crate::outlined::{Outlined, raise_all};
 use crate::palette::Palette;
 use crate::placing::extent::{Extent, Walls};
 use crate::placing::frame::SiteFrame;
@@ -122,39 +122,6 @@ struct Aside {
     faces: Vec<u32>,
 }
 
-/// A file of footprints, in scene coordinates.
-struct Outlined {
-    part: Part,
-    geometry: Geometry,
-}
-
-impl Outlined {
-    fn new(part: Part, mut geometry: Geometry) -> Self {
-        geometry.vertices.iter_mut().for_each(|vertex| *vertex = part.place(*vertex));
-        for corner in geometry.footprints.iter_mut().flat_map(|footprint| &mut footprint.polygons).flatten().flatten() {
-            *corner = part.place(corner.extend(0.0)).truncate();
-        }
-        Outlined { part, geometry }
-    }
-
-    /// Returns the EPSG number of its plane system.
-    fn epsg(&self) -> Option<u32> {
-        match self.part.reference.or(self.geometry.reference) {
-            Some(Reference::Epsg(epsg)) => Some(epsg),
-            _ => None,
-        }
-    }
-
-    fn file(&mut self) -> FootprintFile<'_> {
-        FootprintFile {
-            file: &self.part.file,
-            elevation_m: self.part.shift().z,
-            footprints: std::mem::take(&mut self.geometry.footprints),
-            geometry: &mut self.geometry,
-        }
-    }
-}
-
 impl Scene {
     /// Loads one file, with its own reflectances except those that `materials.toml` states. No
     /// ground is assumed.
@@ -197,7 +164,7 @@ fn load(site: &SceneFiles, keep: bool) -> Result<(Scene, ObjectTriangles)> {
             Content::Polygons(geometry) => {
                 local_frame = local_frame.or(geometry.local_frame);
                 let part = part.in_frame(&site.frame);
-                match geometry.footprints.is_empty() {
+                match geometry.footprints.is_empty() && geometry.trees.is_empty() {
                     true => pile.add(&part, *geometry, &mut palette, Some(&|p| part.place(p)))?,
                     false => outlines.push(Outlined::new(part, *geometry)),
                 }
@@ -294,8 +261,13 @@ impl Pile {
             self.triangles.iter().filter(|triangle| palette.class(triangle.material) == (Class::Ground, false));
         let ground = ground.map(|triangle| triangle.corners.map(corner)).collect();
         let below = GroundBelow::new(terrain.iter().map(|tile| &tile.raster).collect(), ground);
-        let mut files: Vec<FootprintFile> = outlines.iter_mut().map(Outlined::file).collect();
-        self.report.notes.extend(raise(&mut files, &below)?);
+        let is_house = |material| {
+            let (class, is_canopy) = palette.class(material);
+            class != Class::Ground && !is_canopy
+        };
+        let houses = self.triangles.iter().filter(|triangle| is_house(triangle.material));
+        let houses = houses.map(|triangle| triangle.corners.map(corner)).collect();
+        self.report.notes.extend(raise_all(&mut outlines, &below, houses)?);
         for Outlined { part, geometry } in outlines {
             // Their coordinates are scene coordinates already.
             self.add(&part, geometry, palette, Some(&|p| p))?;

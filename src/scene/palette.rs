@@ -14,11 +14,10 @@ use crate::materials::assumed::assumed;
 use crate::materials::select::{MaterialTable, class_of_name, nearest, select};
 use crate::materials::toml_file::read_toml;
 use crate::site::Part;
-use crate::surface_city::TREES;
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::material::{Class, Material};
-use heliotile_core::text::{Message, counted, message, with_list};
+use heliotile_core::text::{Message, message, with_list};
 
 /// Most unused names of a table that are compared with names of the scene, and most names of the
 /// scene: malformed or hostile files hold tens of thousands.
@@ -86,10 +85,12 @@ impl Palette {
     pub(crate) fn add(&mut self, part: &Part, geometry: &Geometry) -> Vec<u32> {
         let names = geometry.materials.as_slice();
         let of = Source { file: &part.file, materials: part.materials.as_deref(), only: part.materials_only };
-        names.iter().map(|name| self.add_one(name, &of, &geometry.stated)).collect()
+        let add = |name: &String| self.add_one(name, &of, &geometry.stated, geometry.assumed.contains(name));
+        names.iter().map(add).collect()
     }
 
-    fn add_one(&mut self, local: &str, of: &Source, stated: &MaterialTable) -> u32 {
+    /// Adds one material. `is_assumed` says that what the file states is an assumption.
+    fn add_one(&mut self, local: &str, of: &Source, stated: &MaterialTable, is_assumed: bool) -> u32 {
         let Source { file, materials, only } = *of;
         let table = materials.and_then(|path| Some((path, self.tables.get(path)?.get(local)?)));
         let (source, described) = match (table, materials) {
@@ -99,6 +100,7 @@ impl Palette {
         };
         let assumes = described.is_none() && !(only && materials.is_some());
         let material = described.cloned().or_else(|| assumes.then(|| assumed(local)));
+        let assumed = assumes || is_assumed && table.is_none() && material.is_some();
         let alike = self.by_local.entry(local.to_owned()).or_default();
         let same = |i: &&usize| self.entries.get(**i).is_some_and(|entry| entry.material == material);
         if let Some(known) = alike.iter().find(same) {
@@ -113,7 +115,7 @@ impl Palette {
         let number = self.entries.len();
         alike.push(number);
         self.by_name.insert(name.clone(), number);
-        self.entries.push(Entry { name, source: source.to_owned(), material, assumed: assumes });
+        self.entries.push(Entry { name, source: source.to_owned(), material, assumed });
         number as u32
     }
 
@@ -121,7 +123,7 @@ impl Palette {
     pub(crate) fn ground(&mut self) -> Option<(EndlessGround, u32)> {
         let (path, ground) = self.ground.clone()?;
         let of = Source { file: &path, materials: Some(&path), only: true };
-        Some((ground, self.add_one(endless::NAME, &of, &MaterialTable::new())))
+        Some((ground, self.add_one(endless::NAME, &of, &MaterialTable::new(), false)))
     }
 
     /// Adds the material of a plane that no table describes; returns its number and its name in the
@@ -129,7 +131,7 @@ impl Palette {
     pub(crate) fn add_ground(&mut self, file: &Path, diffuse: f64) -> (u32, String) {
         let material = Material::matt(endless::NAME, diffuse, Class::Ground);
         let stated = MaterialTable::from([(endless::NAME.to_owned(), material)]);
-        let number = self.add_one(endless::NAME, &Source { file, materials: None, only: false }, &stated);
+        let number = self.add_one(endless::NAME, &Source { file, materials: None, only: false }, &stated, false);
         (number, self.entries.get(number as usize).map(|entry| entry.name.clone()).unwrap_or_default())
     }
 
@@ -172,16 +174,6 @@ impl Palette {
             })
             .collect();
         warnings.extend(assumed_warning(assumed));
-        let is_black = |entry: &&Entry| {
-            let of_reader = !self.tables.contains_key(&entry.source);
-            let is_canopy = |material: &Material| {
-                material.transmittance.is_some() && (entry.assumed || material.group.as_deref() == Some(TREES))
-            };
-            let canopy = entry.material.as_ref().filter(|material| is_canopy(material));
-            of_reader && canopy.is_some_and(|material| material.diffuse == 0.0)
-        };
-        let black = used.iter().filter_map(|entry| entry_of(&entry.name)).filter(is_black);
-        warnings.extend(black_warning(black.map(|entry| excerpt(entry.name.as_bytes())).collect()));
         let names: HashSet<&str> = used.iter().map(|entry| entry.name.as_str()).collect();
         for (path, table) in &self.tables {
             let is_used = |name: &str| {
@@ -223,16 +215,6 @@ fn assumed_warning(assumed: Vec<String>) -> Option<Message> {
             Some(with_list(sentence, assumed))
         }
     }
-}
-
-/// Returns the warning about leaves that scatter no light because no table says that they do.
-fn black_warning(names: Vec<String>) -> Option<Message> {
-    let (first, count) = (names.first()?, names.len());
-    let others = if count > 1 { format!(" and {} more", counted(count as u64 - 1, "material")) } else { String::new() };
-    Some(message!(
-        "leaves of `{first}`{others} are black: they absorb the light that they do not let through; state their `diffuse` in a materials.toml \
-         ({{materials}}), such as 0.45"
-    ))
 }
 
 fn unused_warning(path: &Path, unused: Vec<String>) -> Option<Message> {

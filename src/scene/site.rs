@@ -209,7 +209,7 @@ struct Entry {
     step_m: Option<f64>,
     least_building_m2: Option<f64>,
     trunk_share: Option<f64>,
-    crown_transmittance: Option<f64>,
+    leaf_area_density: Option<f64>,
 }
 
 /// Value of `height`: `height = "HGT"`, `height = 9.5`, or a list of such.
@@ -235,7 +235,7 @@ const KEYS: &str = "write a table [[scene]] for each file: file = \"town.city.js
                     lod = \"2.2\", assume_version = \"25.2\" of EnergyPlus, for terrain horizon_deg = 0.2, for footprints \
                     height = \"height\" (a column, metres, or a list of such), storey_height = 3.0, base = \"ground\", height_above = \"sea\" and layer = \"buildings\"; in place of \
                     file for rasters of a city dsm = \"dsm.tif\" and optionally dem, canopy (both without dsm for trees alone), landcover, step_m, least_building_m2, \
-                    trunk_share, crown_transmittance; what holds for all files stands in a table [site]: epsg, latitude_deg, \
+                    trunk_share, leaf_area_density; what holds for all files stands in a table [site]: epsg, latitude_deg, \
                     longitude_deg, rotate_deg, elevation_m, scale, up";
 
 impl SceneFiles {
@@ -395,7 +395,7 @@ fn surface(entry: &Entry, folder: &Path) -> std::result::Result<Option<SurfaceRa
         step_m: entry.step_m,
         least_building_m2: entry.least_building_m2,
         trunk_share: entry.trunk_share,
-        crown_transmittance: entry.crown_transmittance,
+        leaf_area_density: entry.leaf_area_density,
         ..files.unwrap_or_default()
     };
     match found.dsm.as_os_str().is_empty() {

@@ -3,6 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
+use heliotile_core::site::material::{LEAF_AREA_DENSITY, MAX_LEAF_AREA_DENSITY};
 use heliotile_requests::Request;
 
 use serde::{Deserialize, Serialize};
@@ -45,10 +46,10 @@ pub struct SurfaceRasters {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[field(skip)]
     pub trunk_share: Option<f64>,
-    /// Share of the light that goes through a whole crown; `None`: [`SurfaceRasters::LEAF_ON`].
+    /// Leaf area density of crowns, m2/m3; `None`: [`LEAF_AREA_DENSITY`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[field(skip)]
-    pub crown_transmittance: Option<f64>,
+    pub leaf_area_density: Option<f64>,
 }
 
 impl SurfaceRasters {
@@ -58,9 +59,6 @@ impl SurfaceRasters {
     /// Default open share below crowns: the lowest quarter, SOLWEIG's trunk zone (Lindberg and
     /// Grimmond 2011).
     pub const TRUNK_SHARE: f64 = 0.25;
-    /// Default transmittance of a crown with leaves: 3 %, SOLWEIG's (Lindberg and Grimmond 2011;
-    /// Konarska et al. 2014 measured 1 to 5 %).
-    pub const LEAF_ON: f64 = 0.03;
 
     /// Returns a request for a raster of surface heights, with nothing else stated.
     pub fn new(dsm: impl Into<PathBuf>) -> Self {
@@ -138,7 +136,7 @@ impl SurfaceRasters {
         within("step_m", self.step_m, 0.1, 100.0)?;
         within("least_building_m2", self.least_building_m2, 0.0, 1e6)?;
         within("trunk_share", self.trunk_share, 0.0, 0.95)?;
-        within("crown_transmittance", self.crown_transmittance, 0.0, 1.0)
+        within("leaf_area_density", self.leaf_area_density, 0.0, MAX_LEAF_AREA_DENSITY)
     }
 
     /// Returns the least step for cells of width `cell_m`, metres.
@@ -154,8 +152,8 @@ impl SurfaceRasters {
         self.trunk_share.unwrap_or(SurfaceRasters::TRUNK_SHARE)
     }
 
-    pub(crate) fn crown(&self) -> f64 {
-        self.crown_transmittance.unwrap_or(SurfaceRasters::LEAF_ON)
+    pub(crate) fn density(&self) -> f64 {
+        self.leaf_area_density.unwrap_or(LEAF_AREA_DENSITY)
     }
 }
 
@@ -198,7 +196,7 @@ mod tests {
             (SurfaceRasters { step_m: Some(0.0), ..of() }, "step_m"),
             (SurfaceRasters { least_building_m2: Some(f64::NAN), ..of() }, "least_building_m2"),
             (SurfaceRasters { trunk_share: Some(1.0), ..of() }, "trunk_share"),
-            (SurfaceRasters { crown_transmittance: Some(-0.1), ..of() }, "crown_transmittance"),
+            (SurfaceRasters { leaf_area_density: Some(-0.1), ..of() }, "leaf_area_density"),
         ] {
             assert_eq!(wrong.check().expect_err(name).0, name);
         }

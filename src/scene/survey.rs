@@ -4,7 +4,7 @@
 
 use std::path::PathBuf;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use crate::formats;
@@ -130,6 +130,11 @@ fn objects(geometry: &Geometry, place: impl Fn(DVec3) -> DVec3) -> Vec<SurveyedO
         ];
         let bounds = corners.map(&place).into_iter().fold(NOTHING, |[low, high], p| [low.min(p), high.max(p)]);
         found.push(SurveyedObject { bounds, is_usual: true });
+    }
+    for tree in &geometry.trees {
+        let half = DVec2::splat(0.5 * tree.crown.width_m);
+        let bounds = [(tree.at - half).extend(0.0), (tree.at + half).extend(tree.crown.top_m)].map(&place);
+        found.push(SurveyedObject { bounds: [bounds[0].min(bounds[1]), bounds[0].max(bounds[1])], is_usual: false });
     }
     found.retain(|object| object.bounds[0].is_finite());
     found

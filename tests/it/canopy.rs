@@ -491,7 +491,7 @@ fn wrong_canopy_names_and_values_are_refused() {
     for (under, option, value, expected) in [
         ("conditions", "--transmittance", "bush=0.5", "input unknown site.helio bush"),
         ("conditions", "--transmittance", "wall=0.5", "input lacks site.helio transmittance"),
-        ("conditions", "--transmittance", "trees=1.2", "argument unreadable --transmittance trees=1.2"),
+        ("conditions", "--transmittance", "trees=1.2", "argument out-of-range --transmittance 1.2"),
         ("conditions", "--transmittance", "trees=leaf.csv", "input out-of-range leaf.csv 12.0"),
         ("conditions", "--reflectance", "leaf=0.5", "input other-kind site.helio canopy"),
         ("weather", "--transmittance", "trees=two.csv", "input value two.csv:2 transmittance 2"),

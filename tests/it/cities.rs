@@ -111,8 +111,9 @@ fn grid(folder: &Folder, name: &str, height: impl Fn(usize, usize) -> f64) {
 }
 
 /// A crown of 10 x 10 m, 8 m high with 2 m of trunk, stands at the east wall of a block of 10 m: 15
-/// of the 25 receivers on this wall are in the crown, and `receivers` and `run` say so once. Of 4
-/// points in a forest of ground and this crown alone, 1 is inside, the others below, beside, above.
+/// of the 25 receivers on this wall are in the crown, and `receivers` and `run` say so once if its
+/// faces dim the light; a volume of leaves may hold them. Of 4 points in a forest of ground and
+/// this crown alone, 1 is inside, the others below, beside, above.
 #[test]
 fn receivers_in_crowns_are_counted() {
     let folder = Folder::new();
@@ -123,17 +124,24 @@ fn receivers_in_crowns_are_counted() {
     grid(&folder, "chm.asc", |column, row| if is_in(column, row, 10) { 8.0 } else { 0.0 });
     let points = ["in,25,25,5", "below,25,25,1", "beside,35,25,5", "above,25,25,9"].map(|row| format!("{row},0,0,1\n"));
     folder.write("points.csv", &format!("receiver,x,y,z,nx,ny,nz\n{}", points.concat()));
-    let city = "--dsm dsm.asc --dem dem.asc --canopy chm.asc --spacing 2m";
+    folder.write("faces.toml", "[canopy]\ntransmittance = 0.17\n");
+    let city = "--dsm dsm.asc --dem dem.asc --canopy chm.asc --spacing 2m -m faces.toml";
     let weather = golden().display().to_string();
     for (command, said) in [
         (format!("receivers {city} -o walls.csv"), "15 receivers stand in closed hulls"),
         (format!("run {city} -w {weather} --quality draft -o walls"), "15 receivers stand in closed hulls"),
         (
-            "build --dem dem.asc --canopy chm.asc -r points.csv --quality draft -o forest.helio".to_owned(),
+            "build --dem dem.asc --canopy chm.asc -m faces.toml -r points.csv --quality draft -o forest.helio"
+                .to_owned(),
             "1 receiver stands in the closed hull",
         ),
     ] {
         let text = stderr(&done(&folder, &command));
         assert_eq!((text.matches("closed hull").count(), text.contains(said)), (1, true), "{command}: {text}");
+        let leaves = command
+            .replace(" -m faces.toml", "")
+            .replace("forest.helio", "leaves.helio")
+            .replace("-o walls", "-o leaves");
+        assert!(!stderr(&done(&folder, &leaves)).contains("closed hull"), "{leaves}");
     }
 }

@@ -75,4 +75,5 @@ mod transfer;
 mod update;
 mod variants;
 mod view;
+mod volumes;
 mod weather;

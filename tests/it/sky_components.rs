@@ -37,7 +37,7 @@ fn sky_components_are_those_of_the_integral() {
         .lines()
         .skip(1)
         .filter_map(|line| line.split_once(','))
-        .map(|(id, rest)| (id, rest.split(',').map(|cell| cell.parse().expect("a number")).collect()))
+        .map(|(id, rest)| (id, rest.split(',').take(6).map(|cell| cell.parse().expect("a number")).collect()))
         .collect();
     for (angle, percent) in known {
         let found = rows[format!("{angle}").as_str()][4];

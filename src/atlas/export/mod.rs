@@ -10,6 +10,7 @@ use std::io::Write;
 use std::path::Path;
 
 use crate::sources;
+use glam::DVec3;
 use heliotile_core::archive::Archive;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::opened::OpenSite;
@@ -17,7 +18,7 @@ use heliotile_files::writing::guards::guard_output;
 use heliotile_results::outputs::sink::Sink;
 use heliotile_results::outputs::tables::format::files_of;
 use heliotile_results::outputs::view_factors::ViewFactorTable;
-use heliotile_results::{Provenance, Resources, SkyComponents};
+use heliotile_results::{GapFractions, Provenance, Resources, SkyComponents};
 use layers::{Image, layers_of};
 
 pub use request::ExportRequest;
@@ -55,15 +56,16 @@ impl ExportRequest {
 /// Adds the receivers of an archive to the table; stops if the reader of the table has closed it.
 fn add_rows(table: &mut ViewFactorTable, archive: &Archive) -> Result<()> {
     let site = OpenSite::open(archive)?;
-    let sky = SkyComponents::new(&site)?;
+    let (sky, gaps) = (SkyComponents::new(&site)?, GapFractions::new(&site)?);
     for (tile, percent) in (0..site.tiles()).zip(sky.tiles(0..site.tiles())) {
         let (receivers, percent) = (site.tile_receivers(tile)?, percent?);
-        let rows = receivers.ids.iter().zip(receivers.views()).zip(percent);
-        for ((id, views), vsc_percent) in rows {
+        let gaps = gaps.tile(tile, receivers.normal.iter().map(|normal| DVec3::from(*normal)))?;
+        let rows = receivers.ids.iter().zip(receivers.views()).zip(percent).zip(gaps);
+        for (((id, views), vsc_percent), gaps) in rows {
             if table.is_closed() {
                 return Ok(());
             }
-            table.row(id, views, vsc_percent)?;
+            table.row(id, views, vsc_percent, gaps)?;
         }
     }
     Ok(())

@@ -52,17 +52,23 @@ impl SiteTracer<'_> {
         let Some(canopies) = self.canopies else { return (Canopy::default(), 0) };
         let side = sky_side(self.settings.sky_base, self.settings.sky_fine);
         let block = sky.side() / side;
-        // A leaf cannot dim sky that is not seen.
-        let open = |&(column, row): &(usize, usize)| block > 64 || sky.count_block(block, column, row) > 0;
-        let texels = texels_in_blocks(side).filter(open).map(|(column, row)| row * side + column);
-        let sky = view.sky_paths(side, texels, self.tracer);
+        // A leaf cannot dim sky that is not seen; light at its edge is interpolated with the texels
+        // beside it.
+        let shown: Vec<bool> =
+            (0..side * side).map(|i| block > 64 || sky.count_block(block, i % side, i / side) > 0).collect();
+        let open = |&(column, row): &(usize, usize)| {
+            let near = |at: usize| at.saturating_sub(1)..(at + 2).min(side);
+            near(row).any(|row| near(column).any(|column| shown[row * side + column]))
+        };
+        let texels: Vec<(usize, usize)> = texels_in_blocks(side).filter(open).collect();
+        let (sky, to_sky) = canopies.towards_sky(view, side, &texels, self.tracer);
         let (n, scatter) = (self.settings.hit, lit && self.leaves_scatter());
         let seen: Vec<Path> = view.hit_paths(n, &hits.distances_m, scatter, self.tracer);
-        let (rays, cast) = ([side * side, n * n], (sky.len() + seen.len()) as u64);
+        let (rays, cast) = ([side * side, n * n], to_sky + seen.len() as u64);
         let mut passages = canopies.passages(&seen);
         let leaves = if scatter { self.leaves_of_receiver(view, canopies, &passages) } else { Vec::new() };
         passages.retain(|passage| hits.distances_m[passage.place as usize].is_finite());
-        let crossings = [&canopies.crossings(&sky)[..], &canopies.counted(&passages)];
+        let crossings = [&sky[..], &canopies.counted(&passages)];
         (Canopy::new(crossings, rays, leaves), cast)
     }
 
@@ -79,13 +85,10 @@ impl SiteTracer<'_> {
     fn leaves_of_receiver(&self, view: &Viewpoint, canopies: &Canopies, passages: &[Passage]) -> Vec<SeenLeaf> {
         let n = self.settings.hit;
         let (texel_sr, direction) = (HEMISPHERE_SR / (n * n) as f64, view.hit_directions(n));
-        let mut leaves = SeenLeaves::default();
+        let mut leaves = SeenLeaves::new(canopies);
         for passage in passages {
             let share = view.normal.dot(direction(passage.place as usize)) * 2.0 / (n * n) as f64;
-            for leaf in canopies.leaves(passage) {
-                let level = self.cell_settings().level(leaf.distance_m, texel_sr.sqrt());
-                leaves.add(CellKey::leaf(leaf.point, leaf.normal, leaf.material, level), leaf, share);
-            }
+            leaves.add(passage, share, |leaf| leaf.cell(self.cell_settings().level(leaf.distance_m, texel_sr.sqrt())));
         }
         leaves.gathered(n * n / 2, view.seed())
     }

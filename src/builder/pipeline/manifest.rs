@@ -50,7 +50,7 @@ impl SiteTracer<'_> {
         }
         let table = tables::OpticsTable {
             panes: materials.iter().map(|m| m.glass.map_or(0, Glass::panes)).collect(),
-            canopy: materials.iter().map(|m| u8::from(m.transmittance.is_some())).collect(),
+            canopy: materials.iter().map(tables::kind_of_canopy).collect(),
             transmittance: materials.iter().map(|m| m.transmittance.unwrap_or(0.0)).collect(),
         };
         let mut blocks = vec![table.encode(format::OPTICS, TileNumber::FIRST, COMPRESSION)?];

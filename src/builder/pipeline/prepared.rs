@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use crate::settings::{BuildSettings, Effect};
 use crate::trace::canopy::Canopies;
+use crate::trace::volume::Volumes;
 use crate::trace::{Ray, Tracer};
 use heliotile_core::error::Result;
 use heliotile_core::site::material::Class;
@@ -41,6 +42,7 @@ impl<'a> PreparedScene<'a> {
     /// Builds the tree and finds the mirrors.
     pub fn new(scene: &'a Scene) -> Result<Self> {
         let start = Instant::now();
+        Volumes::check(scene)?;
         let (tracer, canopies) = Canopies::split(scene);
         let mirrors = Mirrors::find(&scene.mesh, &scene.materials)?;
         Ok(PreparedScene { scene, tracer, canopies, mirrors, seconds: start.elapsed().as_secs_f64() })

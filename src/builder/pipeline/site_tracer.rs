@@ -85,7 +85,7 @@ impl<'a> SiteTracer<'a> {
 
     /// Returns the surfaces that cells lie on.
     pub fn surfaces(&self) -> CellSurfaces<'_> {
-        let canopies = self.canopies.map(Canopies::tracer);
+        let canopies = self.canopies.map(|canopies| (canopies.tracer(), canopies.volumes()));
         CellSurfaces { mesh: &self.scene.mesh, tracer: self.tracer, canopies }
     }
 

@@ -102,15 +102,18 @@ impl<'a> PathTracer<'a> {
     /// Returns the remaining share of `rays` rays, some of which cross canopies.
     pub(super) fn left_behind(&self, passages: &[Passage], rays: usize) -> Vec<f64> {
         let mut through = vec![1.0; rays];
-        for crossing in self.canopies.iter().flat_map(|canopies| canopies.counted(passages)) {
-            through[crossing.ray as usize] *= self.left(crossing.material, crossing.count);
+        for (canopies, passage) in self.canopies.iter().flat_map(|all| passages.iter().map(move |one| (all, one))) {
+            for (material, amount) in canopies.crossed_before(passage, f64::INFINITY) {
+                through[passage.place as usize] *= self.left(material, amount);
+            }
         }
         through
     }
 
-    /// Returns the share that `count` crossings of a canopy leave.
-    pub(super) fn left(&self, material: u16, count: u8) -> f64 {
-        self.reflectors[usize::from(material)].transmittance.unwrap_or(1.0).powi(i32::from(count))
+    /// Returns the share that a number of crossings of a canopy leaves, or a length in metres in a
+    /// volume.
+    pub(super) fn left(&self, material: u16, amount: f64) -> f64 {
+        self.reflectors[usize::from(material)].transmittance.unwrap_or(1.0).powf(amount)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::carried::Carried;
 use super::estimate::{BATCHES, Batch, ReferenceLight};
@@ -13,7 +13,7 @@ use super::tracer::{PathTracer, PathVertex, Sums, numbered, ray, vector};
 use crate::trace::Ray;
 use crate::trace::canopy::Passage;
 use crate::trace::kernel::ray::Hit;
-use heliotile_core::hemisphere::{Frame, mix, texels_in_blocks};
+use heliotile_core::hemisphere::{Frame, direction_of, mix, texels_in_blocks};
 use heliotile_core::light::fresnel::specular;
 
 /// Number of surfaces that a path hits before Russian roulette may end it.
@@ -188,15 +188,16 @@ impl PathTracer<'_> {
         skies: &[&ReferenceSky],
         looks: &mut Vec<SunLook>,
     ) -> Option<Walker> {
-        let leaves = self.canopies?.leaves(passage);
+        let leaves = self.canopies?.leaves(passage, |_| walker.random.next());
         if leaves.is_empty() || self.once && walker.carried.matt > 0 {
             return None;
         }
         let [which, on, side, a, b] = walker.random.many();
         let leaf = &leaves[(which * leaves.len() as f64) as usize];
-        let through = leaf.before.iter().map(|&(material, count)| self.left(material, count)).product::<f64>();
+        let through = leaf.before.iter().map(|&(material, amount)| self.left(material, amount)).product::<f64>();
         // Each leaf is drawn with a probability of one over their number.
-        let scattered = self.reflectors[usize::from(leaf.material)].diffuse * through * leaves.len() as f64;
+        let of_one = self.reflectors[usize::from(leaf.material)].diffuse * leaf.weight;
+        let scattered = of_one * through * leaves.len() as f64;
         let likely = if walker.met < SURE { 1.0 } else { scattered.min(LIKELIEST) };
         if scattered <= 0.0 || on >= likely {
             return None;
@@ -204,7 +205,9 @@ impl PathTracer<'_> {
         let carried = walker.carried.times(scattered / likely).scattered();
         // A number holds 53 random bits, and all of them become the seed.
         let mut random = Random::new((walker.random.next() * 2.0_f64.powi(53)) as u64);
-        let places = [leaf.normal, -leaf.normal]
+        // Leaves of a volume face all ways alike.
+        let normal = leaf.normal.unwrap_or_else(|| direction_of(DVec2::from(random.many::<2>())));
+        let places = [normal, -normal]
             .map(|normal| PathVertex { from: vector(self.mesh.grid().lifted(leaf.point, normal)), normal });
         let disc = random.many();
         for place in places {

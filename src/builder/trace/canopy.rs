@@ -1,6 +1,7 @@
-//! Canopies: leaves and screens. They stop no ray; the tracer counts how often rays cross them. In:
-//! rays and their lengths. Out: for each ray the number of crossings of each such material, and the
-//! leaves on its way that scatter light.
+//! Canopies: leaves, screens and volumes of leaves. They stop no ray; the tracer counts how often
+//! rays cross them, and how far they go inside of volumes. In: rays and their lengths. Out: for
+//! each ray the number of crossings of each such material, or the length inside, and the leaves on
+//! its way that scatter light.
 //!
 //! Triangles that touch and are hit at one distance count as one leaf: a ray through an edge of two
 //! triangles, or through the two faces of a leaf drawn from both sides, crosses once. Where faces
@@ -16,18 +17,15 @@ use crate::trace::kernel::rays::{FaceSide, Tracer};
 use crate::trace::probe::{Directions, ProbeTrace};
 use crate::trace::surroundings::{SeenCell, seen_from};
 use crate::trace::viewpoint::Viewpoint;
-use heliotile_core::hemisphere::{bit, jitter, mix, texel_direction, unit};
-use heliotile_core::layers::canopy::SeenLeaf;
+use crate::trace::volume::{Draw, ONE_PLACE, Part, USUALLY_STOPPED, Volumes, touch};
+use heliotile_core::hemisphere::{bit, mix, unit};
+use heliotile_core::layers::canopy::{COUNTS, SeenLeaf, code_of, length_of};
 use heliotile_core::light::radiosity::{SidesOf, Surround, each_ray};
 use heliotile_core::site::cells::CellKey;
 use heliotile_core::site::crossing::Crossing;
 use heliotile_core::site::material::Material;
 use heliotile_scene::Scene;
 use heliotile_scene::mesh::{Mesh, bounds};
-
-/// Share of the distance below which two hits of touching triangles are one. It covers the rounding
-/// of distances at grazing incidence.
-const ONE_PLACE: f32 = 1e-4;
 
 /// Directions of rays that tell whether a point is in a hull: near the axes, and along no face of a
 /// hull from a raster.
@@ -56,6 +54,7 @@ pub(crate) struct Path {
 pub struct Canopies<'a> {
     mesh: &'a Mesh,
     tracer: Tracer,
+    volumes: Volumes,
     /// `[material]`: true if its leaves scatter light.
     scatters: Vec<bool>,
     /// True if some leaf of the scene scatters light.
@@ -72,6 +71,8 @@ pub(crate) struct Passage {
     ray: Ray,
     /// Leaves that the ray crosses, nearest first: one triangle of each.
     leaves: Vec<Hit>,
+    /// Parts of the ray in volumes of leaves, by material.
+    parts: Vec<Part>,
 }
 
 /// Leaf that scatters light and that a ray crosses.
@@ -79,15 +80,43 @@ pub(crate) struct Passage {
 pub(crate) struct LeafHit {
     /// Row of its material in the materials table.
     pub material: u16,
-    /// Normal of the triangle.
-    pub normal: DVec3,
+    /// Normal of the triangle; `None` for leaves of a volume, which face all ways.
+    pub normal: Option<DVec3>,
     /// Point where the ray hits it, input coordinates.
     pub point: DVec3,
     /// Distance from the start of the ray, metres.
     pub distance_m: f64,
-    /// Materials that the ray crosses before, ascending, with the number of crossings of each.
-    pub before: Vec<(u16, u8)>,
+    /// Number of leaves that it stands for: 1, or the optical depth in a volume.
+    pub weight: f64,
+    /// Materials that the ray crosses before, ascending, with the number of crossings of each, or
+    /// the length inside, metres.
+    pub before: Vec<(u16, f64)>,
 }
+
+impl LeafHit {
+    /// Returns the distance that decides the level of its cell in the view of other cells: half of
+    /// its distance in a volume, whose sides differ.
+    fn looked_at_m(&self) -> f64 {
+        if self.normal.is_some() { self.distance_m } else { 0.5 * self.distance_m }
+    }
+
+    /// Returns the cell of the leaf at a level of surfaces as far away.
+    pub fn cell(&self, level: i8) -> CellKey {
+        match self.normal {
+            Some(normal) => CellKey::leaf(self.point, normal, self.material, level),
+            None => CellKey::volume(self.point, self.material, (level - VOLUME_FINER).max(VOLUME_LEVEL)),
+        }
+    }
+}
+
+/// Finest level of cells of volumes, 1 m: light changes little within a fraction of the length
+/// that it goes between two leaves, 2 m at 1 m2/m3.
+const VOLUME_LEVEL: i8 = 0;
+
+/// Number of levels by which cells of volumes are finer than those of surfaces as far away: the
+/// lower side of a crown is darker than the whole, and seen alone. In a wood light of leaves is 5 %
+/// too high at its floor, without this 13 %.
+const VOLUME_FINER: i8 = 2;
 
 impl<'a> Canopies<'a> {
     /// Returns a tracer of the opaque triangles, and the canopies if the scene has any.
@@ -105,7 +134,7 @@ impl<'a> Canopies<'a> {
         let bounds = bounds(corners);
         let canopies = (!leaves.is_empty()).then(|| {
             let tracer = Tracer::of_triangles(mesh, &leaves);
-            Canopies { mesh, tracer, scatters, some_scatter, bounds }
+            Canopies { mesh, tracer, volumes: Volumes::new(scene), scatters, some_scatter, bounds }
         });
         (Tracer::of_triangles(mesh, &opaque), canopies)
     }
@@ -115,13 +144,19 @@ impl<'a> Canopies<'a> {
         &self.tracer
     }
 
+    /// Returns the volumes of leaves.
+    pub(crate) fn volumes(&self) -> &Volumes {
+        &self.volumes
+    }
+
     /// Returns true if some leaves scatter light.
     pub(crate) fn scatter(&self) -> bool {
         self.some_scatter
     }
 
-    /// Returns true if a point, in input coordinates, is in a closed hull, as of a crown: rays in
-    /// all directions leave more hulls than they enter. Leaves and screens have no inside.
+    /// Returns true if a point, in input coordinates, is in a closed hull of faces that dim light,
+    /// as of a crown: rays in all directions leave more hulls than they enter. Leaves and screens
+    /// have no inside, and in volumes light is dimmed by the length of its way.
     pub fn holds(&self, point: DVec3) -> bool {
         let (from, (low, high)) = (self.mesh.grid().relative(point), self.bounds);
         if !(from.cmpge(low).all() && from.cmple(high).all()) {
@@ -129,8 +164,8 @@ impl<'a> Canopies<'a> {
         }
         let left = |direction: &[f32; 3]| {
             let ray = Ray { origin: from.as_vec3().to_array(), direction: *direction };
-            let hits = self.along(&Path { place: 0, ray, reach_m: f32::INFINITY });
-            let sides = hits.iter().map(|hit| if side_met(&ray, hit, self.mesh) == FaceSide::Back { 1 } else { -1 });
+            let leaves = self.passage(&Path { place: 0, ray, reach_m: f32::INFINITY }).leaves;
+            let sides = leaves.iter().map(|hit| if side_met(&ray, hit, self.mesh) == FaceSide::Back { 1 } else { -1 });
             sides.sum::<i32>()
         };
         let all = ALL_WAYS.each_ref().map(left);
@@ -138,60 +173,102 @@ impl<'a> Canopies<'a> {
         all.iter().all(|left| *left > 0) || all.iter().all(|left| *left < 0)
     }
 
-    /// Returns the crossings of some rays, by place and material.
-    pub(crate) fn crossings(&self, paths: &[Path]) -> Vec<Crossing> {
-        self.counted(&self.passages(paths))
-    }
-
     /// Returns the rays among `paths` that cross leaves, in the order of `paths`.
     pub(crate) fn passages(&self, paths: &[Path]) -> Vec<Passage> {
         let rays: Vec<Ray> = paths.iter().map(|path| path.ray).collect();
         // Most rays cross no leaf at all, and packets find that out fast.
         let met = self.tracer.occluded_many(&rays);
-        let passage = |(path, _): (&Path, bool)| Passage { place: path.place, ray: path.ray, leaves: self.along(path) };
+        let passage = |(path, _): (&Path, bool)| self.passage(path);
         paths.iter().zip(met).filter(|path| path.1).map(passage).collect()
     }
 
     /// Counts the crossings of each material by each ray, by place and material.
     pub(crate) fn counted(&self, passages: &[Passage]) -> Vec<Crossing> {
         let crossings = |passage: &Passage| {
-            let mut counts = Vec::new();
-            passage.leaves.iter().for_each(|hit| count(&mut counts, self.material(hit)));
             let ray = passage.place;
-            counts.into_iter().map(move |(material, count)| Crossing { ray, material, count })
+            let count = move |(material, amount)| Crossing { ray, material, count: self.code(material, amount) };
+            self.crossed_before(passage, f64::INFINITY).into_iter().map(count)
         };
         let mut found: Vec<Crossing> = passages.iter().flat_map(crossings).collect();
         found.sort_unstable();
         found
     }
 
-    /// Returns the leaves on the way of a ray that scatter light, nearest first.
-    pub(crate) fn leaves(&self, passage: &Passage) -> Vec<LeafHit> {
+    /// Returns the count or the code of a length by which crossings of a material are stored.
+    pub(crate) fn code(&self, material: u16, amount: f64) -> u16 {
+        match self.volumes.stopped(material) {
+            Some(_) => code_of(amount),
+            None => amount.min((COUNTS - 1) as f64) as u16,
+        }
+    }
+
+    /// Returns the count or the code before a leaf, `None` for next to nothing. Lengths are
+    /// rounded, so that leaves of a cell behind about as many others are one.
+    fn code_before(&self, material: u16, amount: f64) -> Option<u16> {
+        let code = self.code(material, amount);
+        match self.volumes.stopped(material) {
+            Some(_) => Some((code + CODES_BEFORE / 2) / CODES_BEFORE * CODES_BEFORE).filter(|code| *code > 0),
+            None => Some(code),
+        }
+    }
+
+    /// Returns the materials that a ray crosses nearer than a distance, ascending, with the number
+    /// of crossings or the length inside, metres.
+    pub(crate) fn crossed_before(&self, passage: &Passage, distance_m: f64) -> Vec<(u16, f64)> {
+        let mut amounts: BTreeMap<u16, f64> = BTreeMap::new();
+        for hit in passage.leaves.iter().take_while(|hit| f64::from(hit.t) < distance_m) {
+            *amounts.entry(self.material(hit)).or_default() += 1.0;
+        }
+        for part in passage.parts.iter().filter(|part| part.from_m < distance_m) {
+            *amounts.entry(part.material).or_default() += part.to_m.min(distance_m) - part.from_m;
+        }
+        amounts.into_iter().collect()
+    }
+
+    /// Returns the leaves on the way of a ray that scatter light: the faces that it crosses, and a
+    /// point in each volume, which `draw` draws by its material.
+    pub(crate) fn leaves(&self, passage: &Passage, mut draw: impl FnMut(u16) -> f64) -> Vec<LeafHit> {
         let [from, direction] = [passage.ray.origin, passage.ray.direction].map(|v| DVec3::from(v.map(f64::from)));
-        let (mut before, mut found) = (Vec::new(), Vec::new());
-        for hit in &passage.leaves {
-            let material = self.material(hit);
-            if self.scatters[usize::from(material)] {
-                let point = self.mesh.grid().absolute(from) + direction * f64::from(hit.t);
-                let normal = self.mesh.normal(hit.triangle as usize);
-                let distance_m = f64::from(hit.t);
-                found.push(LeafHit { material, normal, point, distance_m, before: before.clone() });
+        let at = |distance_m: f64| self.mesh.grid().absolute(from) + direction * distance_m;
+        let scatters = |material: u16| self.scatters[usize::from(material)];
+        let mut found = Vec::new();
+        for hit in passage.leaves.iter().filter(|hit| scatters(self.material(hit))) {
+            let (distance_m, normal) = (f64::from(hit.t), Some(self.mesh.normal(hit.triangle as usize)));
+            let before = self.crossed_before(passage, distance_m);
+            found.push(LeafHit {
+                material: self.material(hit),
+                normal,
+                point: at(distance_m),
+                distance_m,
+                weight: 1.0,
+                before,
+            });
+        }
+        for parts in passage.parts.chunk_by(|a, b| a.material == b.material) {
+            let material = parts[0].material;
+            let drawn = scatters(material).then(|| self.volumes.draw(parts, draw(material))).flatten();
+            if let Some(Draw { distance_m, weight }) = drawn {
+                let (point, before) = (at(distance_m), self.crossed_before(passage, distance_m));
+                found.push(LeafHit { material, normal: None, point, distance_m, weight, before });
             }
-            count(&mut before, material);
-            before.sort_unstable();
         }
         found
     }
 
-    /// Returns the leaves that one ray crosses, one hit of each.
-    fn along(&self, path: &Path) -> Vec<Hit> {
-        let hits: Vec<Hit> = self.tracer.crossed(path.ray).into_iter().take_while(|hit| hit.t < path.reach_m).collect();
+    /// Returns the leaves that one ray crosses, one hit of each, and its parts in volumes.
+    fn passage(&self, path: &Path) -> Passage {
+        let hits = self.tracer.crossed(path.ray);
+        let (hulls, faces): (Vec<Hit>, Vec<Hit>) =
+            hits.into_iter().partition(|hit| self.volumes.bounds(self.mesh, hit.triangle));
+        let faces: Vec<Hit> = faces.into_iter().take_while(|hit| hit.t < path.reach_m).collect();
         let is_new = |&i: &usize| {
-            let (hit, before) = (hits[i], hits[..i].iter().rev());
+            let (hit, before) = (faces[i], faces[..i].iter().rev());
             let mut near = before.take_while(|before| hit.t - before.t <= ONE_PLACE * hit.t);
             !near.any(|before| self.one_leaf(before.triangle, hit.triangle))
         };
-        (0..hits.len()).filter(is_new).map(|i| hits[i]).collect()
+        let leaves = (0..faces.len()).filter(is_new).map(|i| faces[i]).collect();
+        let parts = self.volumes.parts(self.mesh, &path.ray, &hulls, path.reach_m);
+        Passage { place: path.place, ray: path.ray, leaves, parts }
     }
 
     fn material(&self, hit: &Hit) -> u16 {
@@ -200,10 +277,16 @@ impl<'a> Canopies<'a> {
 
     /// Returns true if two triangles have the same material and a common corner.
     fn one_leaf(&self, a: u32, b: u32) -> bool {
-        let [a, b] = [a as usize, b as usize];
-        let corners = self.mesh.triangles[b];
-        self.mesh.triangle_material[a] == self.mesh.triangle_material[b]
-            && self.mesh.triangles[a].iter().any(|corner| corners.contains(corner))
+        let material = |triangle: u32| self.mesh.triangle_material[triangle as usize];
+        material(a) == material(b) && touch(self.mesh, a, b)
+    }
+}
+
+impl Passage {
+    /// Returns a random number from 0 to 1: the direction of the ray decides, in any scene.
+    fn draw(&self) -> f64 {
+        let seed = self.ray.direction.iter();
+        unit(seed.fold(u64::from(self.place), |seed, part| mix(seed, u64::from(part.to_bits()))))
     }
 }
 
@@ -220,38 +303,51 @@ pub fn in_hulls(count: u64) -> Option<String> {
     ))
 }
 
-/// Adds one crossing of a material.
-fn count(counts: &mut Vec<(u16, u8)>, material: u16) {
-    match counts.iter_mut().find(|known| known.0 == material) {
-        Some((_, count)) => *count = count.saturating_add(1),
-        None => counts.push((material, 1)),
-    }
-}
+/// Cell of leaves, and the materials that are crossed before it, with counts or codes of lengths.
+type LeafKey = (CellKey, Vec<(u16, u16)>);
 
 /// Seen leaves, gathered by cell and by the leaves in front of them.
-#[derive(Default)]
-pub(crate) struct SeenLeaves(BTreeMap<(CellKey, Vec<(u16, u8)>), f64>);
+pub(crate) struct SeenLeaves<'a> {
+    canopies: &'a Canopies<'a>,
+    shares: BTreeMap<LeafKey, f64>,
+}
 
-impl SeenLeaves {
-    /// Adds a leaf on a ray that stands for `share` of the hemisphere.
-    pub fn add(&mut self, cell: CellKey, leaf: LeafHit, share: f64) {
-        *self.0.entry((cell, leaf.before)).or_default() += share;
+impl<'a> SeenLeaves<'a> {
+    pub fn new(canopies: &'a Canopies) -> Self {
+        SeenLeaves { canopies, shares: BTreeMap::new() }
+    }
+
+    /// Adds the leaves on a ray that stands for `share` of the hemisphere. `cell` returns the cell
+    /// that is seen of a leaf.
+    pub fn add(&mut self, passage: &Passage, share: f64, cell: impl Fn(&LeafHit) -> CellKey) {
+        let draw = passage.draw();
+        for leaf in self.canopies.leaves(passage, |material| unit(mix(draw.to_bits(), u64::from(material)))) {
+            let code =
+                |&(material, amount): &(u16, f64)| Some((material, self.canopies.code_before(material, amount)?));
+            let before = leaf.before.iter().filter_map(code).collect();
+            *self.shares.entry((cell(&leaf), before)).or_default() += share * leaf.weight;
+        }
+    }
+
+    /// Returns the light of a leaf behind others, per share, that it is likely to send.
+    fn weight(&self, before: &[(u16, u16)], share: f64) -> f64 {
+        let behind = |&(material, count): &(u16, u16)| match self.canopies.volumes.stopped(material) {
+            Some(_) => (-USUALLY_STOPPED * length_of(count)).exp(),
+            None => BEHIND_ONE.powi(i32::from(count)),
+        };
+        share * before.iter().map(behind).product::<f64>().max(LEAST_BEHIND)
     }
 
     /// Returns all leaves, or draws about `most` of them evenly by the light they may send
     /// (systematic sampling: Madow 1949). The shares of drawn leaves stand for the others, too.
     pub fn gathered(self, most: usize, seed: u64) -> Vec<SeenLeaf> {
-        let weight = |before: &[(u16, u8)], share: f64| {
-            let crossed: i32 = before.iter().map(|(_, count)| i32::from(*count)).sum();
-            share * BEHIND_ONE.powi(crossed.min(MAX_BEHIND))
-        };
-        let all: f64 = self.0.iter().map(|((_, before), share)| weight(before, *share)).sum();
-        let step = if self.0.len() > most { all / most as f64 } else { 0.0 };
+        let all: f64 = self.shares.iter().map(|((_, before), share)| self.weight(before, *share)).sum();
+        let step = if self.shares.len() > most { all / most as f64 } else { 0.0 };
         let mut at = unit(mix(seed, 0x6c65_6166)) * step;
         // A leaf is drawn once for every `step` that its weight spans.
-        let mut drawn = |((cell, before), share): ((CellKey, Vec<(u16, u8)>), f64)| {
-            let own = weight(&before, share);
-            let mut share = share;
+        let mut drawn = |((cell, before), share): (&LeafKey, &f64)| {
+            let own = self.weight(before, *share);
+            let mut share = *share;
             if step > 0.0 {
                 // `at` is the weight up to the next draw: below 0, the draw lies within this leaf.
                 at -= own;
@@ -259,32 +355,21 @@ impl SeenLeaves {
                 at += count * step;
                 share *= count * step / own;
             }
-            (share > 0.0).then_some(SeenLeaf { cell, before, share: share as f32 })
+            (share > 0.0).then(|| SeenLeaf { cell: *cell, before: before.clone(), share: share as f32 })
         };
-        self.0.into_iter().filter_map(&mut drawn).collect()
+        self.shares.iter().filter_map(&mut drawn).collect()
     }
 }
 
-/// Factor by which each leaf in front is likely to dim the light of a leaf. At most [`MAX_BEHIND`]
-/// leaves count, because a replay with fewer leaves must not lose the light of all leaves behind.
+/// Step of the codes of lengths before leaves: 17 % of the length, 8.6 cm of short ones.
+const CODES_BEFORE: u16 = 32;
+
+/// Factor by which each leaf in front is likely to dim the light of a leaf, and the smallest one of
+/// all leaves in front: a replay with fewer leaves must not lose the light of all leaves behind.
 const BEHIND_ONE: f64 = 0.5;
-const MAX_BEHIND: i32 = 4;
+const LEAST_BEHIND: f64 = 1.0 / 16.0;
 
 impl Viewpoint {
-    /// Returns a jittered ray through each of some texels of an n x n world-frame texture. A ray
-    /// that would go behind the surface goes along it.
-    pub(crate) fn sky_paths(&self, n: usize, texels: impl Iterator<Item = usize>, tracer: &Tracer) -> Vec<Path> {
-        let (origin, seed) = (self.origin(tracer), mix(self.seed(), 0x6c65_6166));
-        let path = |texel: usize| {
-            let d = texel_direction(texel % n, texel / n, n, jitter(seed, texel as u64));
-            let behind = self.normal.dot(d);
-            let d = if behind > 0.0 { d } else { d - self.normal * (behind - 1e-4) };
-            let ray = Ray { origin, direction: d.as_vec3().to_array() };
-            Path { place: texel as u32, ray, reach_m: f32::INFINITY }
-        };
-        texels.map(path).collect()
-    }
-
     /// Returns the rays of an n x n hit texture with their lengths: all of them, or only those that
     /// hit a surface.
     pub(crate) fn hit_paths(&self, n: usize, distances_m: &[f32], all: bool, tracer: &Tracer) -> Vec<Path> {
@@ -351,13 +436,10 @@ impl CellCrossings {
         let rays = (sky.len() + seen.len()) as u64;
         let [to_sky, to_seen] = [canopies.passages(&sky), canopies.passages(&seen)];
         let (sky, seen) = (canopies.counted(&to_sky), canopies.counted(&to_seen));
-        let mut leaves = SeenLeaves::default();
+        let mut leaves = SeenLeaves::new(canopies);
         if let Some(closed) = view.closed_level.filter(|_| !(to_sky.is_empty() && to_seen.is_empty())) {
             let mut see = |passage: &Passage, share: f64| {
-                for leaf in canopies.leaves(passage) {
-                    let at = |level| CellKey::leaf(leaf.point, leaf.normal, leaf.material, level);
-                    leaves.add(seen_from(key, leaf.distance_m, closed, at), leaf, share);
-                }
+                leaves.add(passage, share, |leaf| seen_from(key, leaf.looked_at_m(), closed, |level| leaf.cell(level)));
             };
             let texel = 2.0 / (texture.n * texture.n) as f64;
             for passage in &to_sky {
@@ -441,10 +523,14 @@ mod tests {
         let far = f32::INFINITY;
         let count = |material, count| Crossing { ray: 7, material, count };
         for through in [(0.0, 0.0, far), (2.0, 0.0, far), (1.0, 1.0, far), (0.3, -1.1, far), (-1.7, 1.2, far)] {
-            assert_eq!(canopies.crossings(&[path(through)]), [count(0, 1), count(1, 1)], "{through:?}");
+            assert_eq!(
+                canopies.counted(&canopies.passages(&[path(through)])),
+                [count(0, 1), count(1, 1)],
+                "{through:?}"
+            );
             assert!(!opaque.occluded(path(through).ray));
         }
-        assert_eq!(canopies.crossings(&[path((0.3, 0.3, 2.5))]), [count(0, 1)]);
-        assert_eq!(canopies.crossings(&[path((9.0, 0.3, far))]), []);
+        assert_eq!(canopies.counted(&canopies.passages(&[path((0.3, 0.3, 2.5))])), [count(0, 1)]);
+        assert_eq!(canopies.counted(&canopies.passages(&[path((9.0, 0.3, far))])), []);
     }
 }

@@ -3,6 +3,7 @@
 //! reflectances.
 
 pub mod canopy;
+mod canopy_sky;
 pub(crate) mod change;
 pub(crate) mod hidden;
 pub mod kernel;
@@ -18,6 +19,7 @@ pub(crate) mod surroundings;
 #[cfg(test)]
 mod test_scenes;
 pub mod viewpoint;
+pub(crate) mod volume;
 
 pub use crate::trace::kernel::ray::Ray;
 pub use kernel::rays::Tracer;

@@ -218,15 +218,23 @@ pub struct Starts {
     fronts: Vec<[f32; 3]>,
     /// `[point]`: start on the other side; empty except for leaves.
     backs: Vec<[f32; 3]>,
+    /// True if light from all directions counts alike, as in a volume of leaves.
+    all_ways: bool,
 }
 
 impl Starts {
     fn new(key: CellKey, points: &[SurfacePoint], tracer: &Tracer) -> Self {
         let backs = points.iter().filter(|_| key.is_leaf());
+        // Points in a volume lie on no surface.
+        let lift = |p: &SurfacePoint, side: f64| match key.is_volume() {
+            true => tracer.grid().relative(p.position).as_vec3().to_array(),
+            false => lifted(p.position, p.normal * side, tracer),
+        };
         Starts {
             normals: points.iter().map(|p| p.normal).collect(),
-            fronts: points.iter().map(|p| lifted(p.position, p.normal, tracer)).collect(),
-            backs: backs.map(|p| lifted(p.position, -p.normal, tracer)).collect(),
+            fronts: points.iter().map(|p| lift(p, 1.0)).collect(),
+            backs: backs.map(|p| lift(p, -1.0)).collect(),
+            all_ways: key.is_volume(),
         }
     }
 
@@ -239,7 +247,12 @@ impl Starts {
     /// there.
     pub fn cosine(&self, point: usize, direction: DVec3) -> f64 {
         let cosine = self.normals[point].dot(direction);
-        if self.backs.is_empty() { cosine } else { cosine.abs() }
+        match () {
+            // As the mean of leaves of all normals.
+            () if self.all_ways => 0.5,
+            () if self.backs.is_empty() => cosine,
+            () => cosine.abs(),
+        }
     }
 
     /// Returns the ray of a point in a direction.
@@ -253,7 +266,11 @@ impl Starts {
 /// side counts.
 fn mean_normal(key: CellKey, normals: impl Iterator<Item = DVec3>) -> DVec3 {
     let mean: DVec3 = normals.sum();
-    if key.is_leaf() { mean.normalize_or_zero() } else { mean }
+    match () {
+        () if key.is_volume() => DVec3::Z,
+        () if key.is_leaf() => mean.normalize_or_zero(),
+        () => mean,
+    }
 }
 
 /// Returns the points of a cell for an n x n texture.

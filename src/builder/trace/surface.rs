@@ -12,6 +12,7 @@ use glam::{DVec2, DVec3};
 
 use crate::trace::kernel::ray::Hit;
 use crate::trace::kernel::rays::Tracer;
+use crate::trace::volume::Volumes;
 use heliotile_core::hemisphere::{mix, r2, unit};
 use heliotile_core::site::cells::{CellKey, GRID_SHIFT_M, size_of};
 use heliotile_scene::mesh::Mesh;
@@ -28,14 +29,14 @@ pub struct CellSurfaces<'a> {
     pub mesh: &'a Mesh,
     /// Tracer of the opaque triangles.
     pub tracer: &'a Tracer,
-    /// Tracer of leaves and screens, if there are any.
-    pub canopies: Option<&'a Tracer>,
+    /// Tracer of leaves and screens, and the volumes of leaves, if there are any.
+    pub canopies: Option<(&'a Tracer, &'a Volumes)>,
 }
 
 impl<'a> CellSurfaces<'a> {
     /// Returns the tracer that holds the triangles of a cell.
     fn holding(&self, key: CellKey) -> &'a Tracer {
-        self.canopies.filter(|_| key.is_leaf()).unwrap_or(self.tracer)
+        self.canopies.filter(|_| key.is_leaf()).map_or(self.tracer, |canopies| canopies.0)
     }
 }
 
@@ -66,6 +67,9 @@ struct Line {
 /// surface.
 pub fn sample(key: CellKey, wanted: usize, surfaces: CellSurfaces) -> Vec<SurfacePoint> {
     let (mesh, tracer) = (surfaces.mesh, surfaces.holding(key));
+    if let Some((hulls, volumes)) = surfaces.canopies.filter(|_| key.is_volume()) {
+        return volumes.sample(key, wanted, mesh, hulls);
+    }
     let (axis, sign) = key.axis();
     let grid = tracer.grid();
     let (corner, size) = (key.corner(grid.origin), size_of(key.level));
@@ -213,7 +217,7 @@ fn area_and_centre(polygon: &[DVec3]) -> Option<(f64, DVec3)> {
 
 /// Returns the barycentric coordinates of a point in a flat triangle; `None` outside or if the
 /// triangle is seen edge-on.
-fn barycentric(corners: [DVec2; 3], p: DVec2) -> Option<[f64; 3]> {
+pub(super) fn barycentric(corners: [DVec2; 3], p: DVec2) -> Option<[f64; 3]> {
     let [a, b, c] = corners.map(|q| q - p);
     let w = [b.perp_dot(c), c.perp_dot(a), a.perp_dot(b)];
     let sum = w[0] + w[1] + w[2];

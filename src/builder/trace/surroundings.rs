@@ -12,7 +12,7 @@ use crate::trace::kernel::ray::Ray;
 use crate::trace::mirror::{MirrorRay, Reflections};
 use crate::trace::probe::{Directions, ProbeTrace, pick};
 use crate::trace::surface::{CellSurfaces, SurfacePoint, cell_of};
-use heliotile_core::hemisphere::{Frame, bit, cosine_direction_of, mix, r2, unit};
+use heliotile_core::hemisphere::{Frame, bit, cosine_direction_of, direction_of, mix, r2, unit};
 use heliotile_core::layers::cells::{DOWN, MISS};
 use heliotile_core::light::radiosity::SidesOf;
 use heliotile_core::site::cells::{CellKey, level_of};
@@ -131,7 +131,7 @@ pub fn looks_around(key: CellKey, probe: &ProbeTrace, texture: &Directions, coun
         // Only tries that go below the horizon are kept.
         let tries = (0..64 * down_count).map(|j| {
             let point = pick(&weights, unit(mix(seed ^ 0x646f_776e, j as u64)));
-            Some((point, downward(key, frames[point].to_world(cosine_direction_of(square(j))))?))
+            Some((point, downward(key, tried(key, &frames[point], square(j)))?))
         });
         for (point, direction) in tries.flatten().take(down_count) {
             from(point, direction, false);
@@ -147,6 +147,12 @@ fn downward(key: CellKey, direction: DVec3) -> Option<DVec3> {
         true => Some(direction),
         false => key.is_leaf().then_some(-direction),
     }
+}
+
+/// Returns a direction that a point of a cell tries: cosine-weighted about its normal, in a volume
+/// of leaves any direction alike.
+fn tried(key: CellKey, frame: &Frame, square: DVec2) -> DVec3 {
+    if key.is_volume() { direction_of(square) } else { frame.to_world(cosine_direction_of(square)) }
 }
 
 /// Returns the sequence of points at which a cell tries the cosine-weighted hemisphere.
@@ -176,10 +182,9 @@ pub fn may_cast(key: CellKey, probe: &ProbeTrace, texture: &Directions, count: u
     // count for all points.
     let mut below_all = 0;
     for j in 0..64 * count {
-        let tried = cosine_direction_of(square(j));
         let mut all = true;
         for (point, frame) in frames.iter().enumerate() {
-            let direction = downward(key, frame.to_world(tried));
+            let direction = downward(key, tried(key, frame, square(j)));
             all &= direction.is_some();
             rays.extend(direction.filter(|way| seen.lies_towards(*way)).map(|way| starts.ray(point, way)));
         }

@@ -119,7 +119,7 @@ fn verify_source(source: Source, deep: bool) -> Result<VerifyReport> {
 /// Facts by which blocks are checked against each other.
 struct Site {
     materials: u64,
-    /// `[material]`: 1 for canopies.
+    /// `[material]`: above 0 for canopies.
     canopies: Vec<u8>,
     /// Number of orientations of mirrors.
     orientations: u64,
@@ -338,7 +338,7 @@ fn check_canopies(
     same_rows(archive, block, of)?;
     let [sky, square] = sides.map(|side| side.saturating_mul(side));
     let rays = [sky, seen.map_or(square, |rays| rays as usize)];
-    let is_canopy = |material: u16| site.canopies.get(usize::from(material)) == Some(&1);
+    let is_canopy = |material: u16| site.canopies.get(usize::from(material)).is_some_and(|kind| *kind > 0);
     let good = |row: &Vec<u8>| Canopy::from_bytes(row, rays, is_canopy).is_some();
     match extras::unpack(block.bytes(), rows as usize) {
         Some(found) if found.iter().all(good) => Ok(()),

@@ -5,8 +5,9 @@
 //! its transmittance: Goudriaan 1977, "Crop micrometeorology: a simulation study"). The radiosity
 //! of either side is its `diffuse` times the mean irradiance of the two.
 
-use crate::layers::canopy::{Powers, SEEN, SKY};
+use crate::layers::canopy::{COUNTS, Powers, SEEN, SKY, length_of};
 use crate::layers::cells::Cells;
+use crate::light::radiosity::SidesOf;
 use crate::light::reflector::{Reflectance, Reflector};
 use crate::site::cells::CellKey;
 use crate::site::material::Material;
@@ -15,7 +16,7 @@ use crate::weather::time::bins::Bins;
 /// The distinct sets of canopy transmittances ("leafages") that some states have.
 #[derive(Clone, Debug, Default)]
 pub struct TransmittanceStates {
-    /// `[leafage]`: transmittances to the power of the number of crossings, by material.
+    /// `[leafage]`: light left after crossings, by material.
     pub powers: Vec<Powers>,
     /// `[state]`: index of its leafage.
     of_state: Vec<usize>,
@@ -35,7 +36,7 @@ impl TransmittanceStates {
             canopies.iter().zip(&values).for_each(|(&m, &value)| state[m] = reflectors[m].scattered(value));
             let leafage = known.iter().position(|other| *other == values).unwrap_or(known.len());
             if leafage == known.len() {
-                let of_material = |(&m, &tau): (&usize, &f64)| (m as u16, powers(tau));
+                let of_material = |(&m, &tau): (&usize, &f64)| (m as u16, powers(tau, reflectors[m].volume));
                 leafages.powers.push(canopies.iter().zip(&values).map(of_material).collect());
                 known.push(values);
             }
@@ -66,16 +67,24 @@ impl TransmittanceStates {
     }
 }
 
-/// Returns the share of light left after 0 to 255 crossings of a transmittance (Beer and Lambert).
-fn powers(tau: f64) -> [f32; 256] {
-    std::array::from_fn(|k| tau.powi(k as i32) as f32)
+/// Returns the share of light left after 0 to 1023 crossings of a transmittance, or in a volume
+/// after the lengths of these codes (law of Beer and Lambert).
+fn powers(tau: f64, volume: bool) -> [f32; COUNTS] {
+    let stopped = -tau.ln();
+    std::array::from_fn(|code| match (volume, code) {
+        (false, _) => tau.powi(code as i32) as f32,
+        // All light is left of 0 m, also where 1 m leaves none.
+        (true, 0) => 1.0,
+        (true, _) => (-stopped * length_of(code as u16)).exp() as f32,
+    })
 }
 
 /// Shares of the light that come through to a cell.
 #[derive(Clone, Debug, Default)]
 pub struct Shade {
     /// `[texel of its sky]`: factor of the cell's normal; `None` where all are 1. For a cell of
-    /// leaves it is half of the share, negative for light on their other side.
+    /// leaves it is half of the share, negative for light on their other side. For one of a volume
+    /// it turns each cosine into 1/4.
     pub sky: Option<Vec<f32>>,
     /// `[ray]` to the cells it sees: the share that comes through; `None` where nothing is crossed.
     pub seen: Option<Vec<f32>>,
@@ -92,7 +101,8 @@ impl Shade {
         if cells.keys[i].is_leaf() {
             let [x, y, z] = cells.normals[i];
             let sides = sky.get_or_insert_with(|| vec![1.0; centres.len()]).iter_mut().zip(centres);
-            sides.for_each(|(share, d)| *share *= 0.5_f32.copysign(x * d[0] + y * d[1] + z * d[2]));
+            let side = SidesOf(cells.keys[i]);
+            sides.for_each(|(share, d)| *share *= side.factor(x * d[0] + y * d[1] + z * d[2]));
         }
         Shade { sky, seen: through(SEEN), leaves: canopy.map_or_else(Vec::new, |canopy| canopy.leaves(powers)) }
     }
@@ -102,5 +112,5 @@ impl Shade {
 /// none is a canopy.
 pub fn stored(materials: &[Material]) -> Powers {
     let rows = (0..=u16::MAX).zip(materials);
-    rows.filter_map(|(m, material)| Some((m, powers(material.transmittance?)))).collect()
+    rows.filter_map(|(m, material)| Some((m, powers(material.transmittance?, material.volume)))).collect()
 }

@@ -109,7 +109,7 @@ mod tests {
     #[test]
     fn diffuse_glass_reflects_no_more_than_arrives() {
         let class = crate::site::material::Class::Obstruction;
-        let glass = Reflector { diffuse: 0.3, class, specular: 0.0, panes: 2, transmittance: None };
+        let glass = Reflector { diffuse: 0.3, class, specular: 0.0, panes: 2, transmittance: None, volume: false };
         assert_eq!(specular(&glass, 0.0), 0.7);
         assert_eq!(specular(&Reflector { panes: 0, specular: 0.4, ..glass }, 0.3), 0.4);
     }

@@ -393,14 +393,29 @@ impl WithSimd for Step<'_> {
     }
 }
 
-/// The sides of a cell that light falls on: one of a surface, two of leaves.
+/// The sides of a cell that light falls on: one of a surface, two of leaves, all of a volume of
+/// leaves that face all ways.
 #[derive(Clone, Copy, Debug)]
 pub struct SidesOf(pub CellKey);
 
 impl SidesOf {
     /// Returns the weight of light by the cosine between its direction and the normal.
     pub fn cosine(self, cosine: f32) -> f32 {
-        if self.0.is_leaf() { 0.5 * cosine.abs() } else { cosine.max(0.0) }
+        match () {
+            // The mean of half of the cosine over all normals.
+            () if self.0.is_volume() => 0.25,
+            () if self.0.is_leaf() => 0.5 * cosine.abs(),
+            () => cosine.max(0.0),
+        }
+    }
+
+    /// Returns the factor that turns a cosine other than 0 of a cell of leaves into its weight.
+    pub fn factor(self, cosine: f32) -> f32 {
+        match () {
+            // Its normal points upwards, and so does every direction to the sky.
+            () if self.0.is_volume() => 0.25 / cosine.max(f32::MIN_POSITIVE),
+            () => 0.5_f32.copysign(cosine),
+        }
     }
 
     /// Returns the cosine-weighted share of the hemisphere above the horizon, for a normal of this

@@ -10,7 +10,7 @@ pub type Reflectance = Vec<f64>;
 #[derive(Clone, Copy, Debug)]
 pub struct Reflector {
     /// Diffuse reflectance, 0 to 1. For a canopy, the share that its leaves scatter, half of it to
-    /// each side.
+    /// each side; for a volume, the share of the light that falls on a leaf.
     pub diffuse: f64,
     /// First-hit class that its light counts for.
     pub class: Class,
@@ -18,8 +18,10 @@ pub struct Reflector {
     pub specular: f64,
     /// Number of panes of clear glass; 0 for other materials.
     pub panes: u8,
-    /// Transmittance of a canopy; `None` is opaque.
+    /// Transmittance of a canopy, of a volume along a metre; `None` is opaque.
     pub transmittance: Option<f64>,
+    /// True for a volume of leaves.
+    pub volume: bool,
 }
 
 impl Reflector {
@@ -31,10 +33,11 @@ impl Reflector {
 
     /// Returns the share of the light that is scattered when [`Reflector::variable`] has this
     /// value. A canopy of another transmittance has more or fewer leaves, which scatter the same
-    /// share of the light that they stop.
+    /// share of the light that they stop; a volume of another density has more or fewer leaves.
     pub fn scattered(&self, variable: f64) -> f64 {
         match self.transmittance {
             None => variable,
+            Some(stored) if stored < 1.0 && self.volume => self.diffuse * variable.ln() / stored.ln(),
             // Where all light comes through there is nothing that could scatter it.
             Some(stored) if stored < 1.0 => self.diffuse * (1.0 - variable) / (1.0 - stored),
             Some(_) => 0.0,
@@ -49,6 +52,7 @@ impl Reflector {
             specular: material.specular,
             panes: material.glass.map_or(0, Glass::panes),
             transmittance: material.transmittance,
+            volume: material.volume,
         }
     }
 

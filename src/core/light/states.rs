@@ -8,6 +8,7 @@
 //! nodes).
 
 use crate::error::{Error, Result};
+use crate::layers::canopy::COUNTS;
 use crate::light::reflector::Reflectance;
 use crate::weather::time::bins::Bins;
 
@@ -20,8 +21,8 @@ const NODES: [usize; 2] = [5, 9];
 /// light is a sum of such powers.
 const MAX_OFF: f64 = 1e-4;
 
-/// Largest number of crossings of a path that is checked: four counts of 255.
-const MAX_CROSSINGS: usize = 1020;
+/// Largest number of crossings of a path that is checked: the largest count of a material.
+const MAX_CROSSINGS: usize = COUNTS - 1;
 
 /// Largest number of states that are solved as they are, where they cannot be interpolated.
 const MAX: usize = 100;

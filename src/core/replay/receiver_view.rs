@@ -38,7 +38,7 @@ pub struct ReceiverView {
     pub sky: SkyBitmap,
     /// Numbers of leaves and screens that the receiver's rays cross.
     pub canopy: Canopy,
-    /// Shares of light that come through 0, 1, ... 255 crossings of each canopy, by the stored
+    /// Shares of light that come through 0, 1, ... 1023 crossings of each canopy, by the stored
     /// transmittances.
     pub powers: Powers,
     /// Normal of the receiver, seed of its hit rays, and its view of the sky.

@@ -1,5 +1,5 @@
-//! Reflectances and transmittances that a replay changes. In: the changes that a user requests, the
-//! archive's materials, the weather. Out: checked schedules of materials.
+//! Reflectances, transmittances and densities of leaves that a replay changes. In: the changes that
+//! a user requests, the archive's materials, the weather. Out: checked schedules of materials.
 
 use crate::named::NamedValues;
 use crate::text::{Message, message};
@@ -14,7 +14,7 @@ use crate::light::states::Schedule;
 use crate::opened::OpenSite;
 use crate::replay::schedule_csv::{Column, ReadFile, Rows, parse_schedule};
 use crate::site::ground::MonthlyGround;
-use crate::site::material::{Class, Material};
+use crate::site::material::{Class, MAX_LEAF_AREA_DENSITY, Material, left_after_metre};
 use crate::weather::row::WeatherRow;
 
 /// Source, in the weather file, of the ground's reflectance under snow.
@@ -28,16 +28,18 @@ pub enum Snow {
 }
 
 /// Column of the values in a schedule's file.
-const REFLECTANCE: Column = Column { name: "reflectance", low: 0.0, high: 1.0 };
-const TRANSMITTANCE: Column = Column { name: "transmittance", low: 0.0, high: 1.0 };
+const REFLECTANCE: Column<'static> = Column { name: "reflectance", low: 0.0, high: 1.0 };
+const TRANSMITTANCE: Column<'static> = Column { name: "transmittance", low: 0.0, high: 1.0 };
+const LEAF_AREA_DENSITY: Column<'static> = Column { name: "leaf_area_density", low: 0.0, high: MAX_LEAF_AREA_DENSITY };
 
 /// Depth from which on snow covers the ground.
 const COVER_CM: f64 = 1.0;
 
-/// Transmittance as a number, or the file that states it for each row of a weather file.
+/// Transmittance or leaf area density as a number, or the file that states it for each row of a
+/// weather file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ConstantOrFile {
-    /// One value for all conditions, 0 to 1.
+    /// One value for all conditions: a transmittance from 0 to 1, a density in m2/m3.
     Value(f64),
     /// A CSV file with a value for each row of the weather file, or for each month.
     File(PathBuf),
@@ -48,9 +50,9 @@ impl FromStr for ConstantOrFile {
 
     fn from_str(text: &str) -> std::result::Result<Self, String> {
         match text.parse::<f64>() {
-            Ok(value) if (0.0..=1.0).contains(&value) => Ok(ConstantOrFile::Value(value)),
-            Ok(value) => Err(format!("a transmittance is from 0 to 1, not {value}")),
-            Err(_) if text.is_empty() => Err("give a number from 0 to 1 or a CSV file".into()),
+            Ok(value) if value.is_finite() => Ok(ConstantOrFile::Value(value)),
+            Ok(value) => Err(format!("{value} is not a finite number")),
+            Err(_) if text.is_empty() => Err("give a number or a CSV file".into()),
             Err(_) => Ok(ConstantOrFile::File(text.into())),
         }
     }
@@ -82,25 +84,29 @@ pub struct Changes {
     /// Source of the snow cover, and the reflectance of snow.
     #[field(skip)]
     pub snow: Option<(Snow, f64)>,
-    /// Change the transmittance of canopies, the share of light that each of their faces lets
-    /// through: GROUP=0.4, or a CSV as for --schedule, with a column `transmittance` (leaves by
-    /// season); may be repeated, the last one counts.
+    /// Change the transmittance of canopies, the share of light that each of their faces, or each
+    /// metre of a volume of leaves, lets through: GROUP=0.4, or a CSV as for --schedule, with a
+    /// column `transmittance` (leaves by season); may be repeated, the last one counts.
     #[field(metavar = "GROUP=VALUE|FILE", parse = parse_named, input = Any)]
     pub transmittance: Vec<(String, ConstantOrFile)>,
-}
-
-/// Returns the files that reflectances and transmittances follow.
-pub fn followed_files<'a>(
-    scheduled: &'a [(String, PathBuf)],
-    transmittance: &'a [(String, ConstantOrFile)],
-) -> impl Iterator<Item = &'a Path> {
-    scheduled.iter().filter_map(Parse::path).chain(transmittance.iter().filter_map(Parse::path))
+    /// Change the leaf area density of crowns that are volumes of leaves, m2/m3: GROUP=0.8, or a
+    /// CSV as for --schedule, with a column `leaf_area_density` (leaves by season); may be
+    /// repeated, the last one counts.
+    #[field(metavar = "GROUP=VALUE|FILE", parse = parse_named, input = Any)]
+    pub leaf_area_density: Vec<(String, ConstantOrFile)>,
 }
 
 impl Changes {
+    /// Returns the files that reflectances, transmittances and densities follow.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        let leaves = self.transmittance.iter().chain(&self.leaf_area_density);
+        self.scheduled.iter().filter_map(Parse::path).chain(leaves.filter_map(Parse::path))
+    }
+
     /// Returns true if nothing changes.
     pub fn is_empty(&self) -> bool {
-        self.constant.is_empty() && self.scheduled.is_empty() && self.snow.is_none() && self.transmittance.is_empty()
+        let leaves_stay = self.transmittance.is_empty() && self.leaf_area_density.is_empty();
+        self.constant.is_empty() && self.scheduled.is_empty() && self.snow.is_none() && leaves_stay
     }
 
     /// Returns the changes whose names are `known`; snow stays.
@@ -109,6 +115,7 @@ impl Changes {
         some.constant.retain(|(name, _)| known(name));
         some.scheduled.retain(|(name, _)| known(name));
         some.transmittance.retain(|(name, _)| known(name));
+        some.leaf_area_density.retain(|(name, _)| known(name));
         some
     }
 
@@ -138,14 +145,27 @@ impl Changes {
     }
 
     fn letting_through(&self, changeable: &Changeable, rows: Rows, files: ReadFile) -> Result<Vec<Schedule>> {
-        let of = |(name, follow): &(String, ConstantOrFile)| {
+        let of = |(name, follow): &(String, ConstantOrFile), column: Column<'static>| {
             let values = match follow {
-                ConstantOrFile::Value(value) => vec![*value; rows.count()],
-                ConstantOrFile::File(path) => parse_schedule(path, &files(path)?, TRANSMITTANCE, rows)?,
+                ConstantOrFile::Value(value) => {
+                    let Column { name: key, low, high } = column;
+                    if !(low..=high).contains(value) {
+                        let what = format!("`{name}` is {value}, not from {low} to {high}");
+                        let problem = Problem::OutOfRange { found: *value, least: low, most: high };
+                        return Err(Error::argument(key, what, "change the number").because(problem));
+                    }
+                    vec![*value; rows.count()]
+                }
+                ConstantOrFile::File(path) => parse_schedule(path, &files(path)?, column, rows)?,
             };
-            Ok(Schedule { materials: changeable.canopies(name)?, values })
+            Ok(Schedule { materials: changeable.canopies(name, column.name)?, values })
         };
-        self.transmittance.iter().map(of).collect()
+        let faces = self.transmittance.iter().map(|named| of(named, TRANSMITTANCE));
+        let volumes = self.leaf_area_density.iter().map(|named| {
+            let Schedule { materials, values } = of(named, LEAF_AREA_DENSITY)?;
+            Ok(Schedule { materials, values: values.into_iter().map(left_after_metre).collect() })
+        });
+        faces.chain(volumes).collect()
     }
 
     /// Returns the schedules over the rows of a weather file, and warnings for the user. `files`
@@ -226,22 +246,24 @@ impl Changeable<'_> {
         .map_err(|error| error.because(Problem::other_kind("canopy")))
     }
 
-    /// Returns the canopies of a name. It is an error if there are none.
-    fn canopies(&self, name: &str) -> Result<Vec<usize>> {
+    /// Returns the canopies of a name that have a value of this key. It is an error if there are
+    /// none. A volume has the `transmittance` of a metre, and a `leaf_area_density`.
+    fn canopies(&self, name: &str, key: &'static str) -> Result<Vec<usize>> {
+        let any = key == TRANSMITTANCE.name;
+        let of_kind = |material: &&Material| material.transmittance.is_some() && (any || material.volume);
         let mut members = members(self.site, self.materials, name)?;
-        members.retain(|&material| self.is_canopy(material));
-        let canopies: Vec<&str> = self
-            .materials
-            .iter()
-            .filter(|material| material.transmittance.is_some())
-            .map(|material| material.name.as_str())
-            .collect();
+        members.retain(|&material| of_kind(&&self.materials[material]));
+        let canopies: Vec<&str> =
+            self.materials.iter().filter(of_kind).map(|material| material.name.as_str()).collect();
         let hint = match canopies.is_empty() {
-            true => "give a material a `transmittance` in materials.toml and build the archive again".to_string(),
+            true => format!("give a material a `{key}` in materials.toml and build the archive again"),
             false => format!("name canopies or their group: {}", canopies.join(", ")),
         };
-        self.some(members, name, "is not a canopy: it has no transmittance", hint)
-            .map_err(|error| error.because(Problem::Lacks("transmittance")))
+        let what = match any {
+            true => "is not a canopy: it has no transmittance",
+            false => "is no volume of leaves: it has no leaf area density",
+        };
+        self.some(members, name, what, hint).map_err(|error| error.because(Problem::Lacks(key)))
     }
 
     fn some(&self, members: Vec<usize>, name: &str, what: &str, hint: impl Into<Message>) -> Result<Vec<usize>> {

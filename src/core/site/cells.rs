@@ -41,10 +41,13 @@ const BACK: u8 = 64;
 /// sends the same light to either side.
 const LEAF: u8 = 128;
 
+/// Facing of cells of a volume of leaves, which face all ways.
+const VOLUME: u8 = LEAF + FACINGS + 6;
+
 /// Key of a cell: the surfaces of one material that face one way inside one voxel of edge 2^level
 /// metres. Voxels are those of the input's coordinates, in every scene that holds the cell.
 /// `facing` is one of 54 bins, or 54 + cube face for the coarse cells of the bounce system, plus 64
-/// for the triangles' back, or 128 for both sides of leaves.
+/// for the triangles' back, or 128 for both sides of leaves. It is 188 for a volume of leaves.
 ///
 /// Keys are ordered by place first: by the Morton code of a region, then by the fields in the order
 /// below. So neighbours lie near each other in an archive, and a part of a site needs a part of its
@@ -54,7 +57,7 @@ pub struct CellKey {
     /// Edge of the voxel: 2^level metres.
     pub level: i8,
     /// Part of a cube's face that the normal points to; 64 is added for the back of triangles, 128
-    /// for leaves.
+    /// for leaves; 188 for a volume of leaves.
     pub facing: u8,
     /// Row of the materials table.
     pub material: u16,
@@ -178,6 +181,17 @@ impl CellKey {
         CellKey { facing: key.facing + LEAF, ..key }
     }
 
+    /// Returns the cell of edge 2^level metres that holds a point in a volume of leaves (input
+    /// coordinates).
+    pub fn volume(point: DVec3, material: u16, level: i8) -> Self {
+        CellKey { facing: VOLUME, ..CellKey::new(point, DVec3::Z, false, material, level) }
+    }
+
+    /// Returns true if this is a cell of a volume of leaves.
+    pub fn is_volume(self) -> bool {
+        self.facing == VOLUME
+    }
+
     /// Returns true if this is a cell of leaves, which holds both of their sides.
     pub fn is_leaf(self) -> bool {
         self.facing & LEAF != 0
@@ -196,7 +210,7 @@ impl CellKey {
         let shift = u32::from(level.saturating_sub(self.level).max(0).unsigned_abs()).min(31);
         CellKey {
             level: self.level.max(level),
-            facing: FACINGS + self.face() + (self.facing & (BACK | LEAF)),
+            facing: if self.is_volume() { VOLUME } else { FACINGS + self.face() + (self.facing & (BACK | LEAF)) },
             voxel: self.voxel.map(|v| v >> shift),
             ..self
         }
@@ -273,6 +287,11 @@ pub struct FaceTag {
 }
 
 impl FaceTag {
+    /// Returns true if the triangle is of a material.
+    pub fn is_of(self, material: u16) -> bool {
+        self.material == material
+    }
+
     /// Returns the tag of a triangle with this unit normal.
     pub fn new(outward: DVec3, material: u16) -> Self {
         FaceTag { material, bins: [facing_bin(outward), facing_bin(-outward)] }

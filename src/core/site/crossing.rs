@@ -7,6 +7,6 @@ pub struct Crossing {
     pub ray: u32,
     /// Row of the materials table, of a material with a transmittance.
     pub material: u16,
-    /// Number of crossings, at least 1; 255 stands for more.
-    pub count: u8,
+    /// Number of crossings, at least 1, or the code of a length in a volume of leaves.
+    pub count: u16,
 }

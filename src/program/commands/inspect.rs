@@ -9,7 +9,7 @@ use heliotile::archive::{Accuracy, TileNumber, format, open_archive, tables};
 use heliotile::atlas::{Atlas, VerifyRequest, about};
 use heliotile::cases::Info;
 use heliotile::covering::black_below_horizon;
-use heliotile::materials::rounded;
+use heliotile::materials::{density_of, rounded};
 use heliotile::output::is_archive;
 use heliotile::requests::Problem;
 use heliotile::text::{counted, excerpt};
@@ -143,8 +143,11 @@ pub fn info(args: &Info, _: Provenance) -> Result<Outcome> {
         let optics = tables::OpticsTable::from_block(&archive.block(format::OPTICS, TileNumber::FIRST)?)?;
         let of_material = names.iter().zip(optics.canopy.iter().zip(&optics.transmittance));
         let canopies: Vec<String> = of_material
-            .filter(|(_, (is, _))| **is == 1)
-            .map(|(name, (_, tau))| format!("{}={tau}", excerpt(name, MAX_SHOWN)))
+            .filter(|(_, (kind, _))| **kind > 0)
+            .map(|(name, (kind, tau))| match *kind == tables::VOLUME {
+                true => format!("{}={} m2/m3", excerpt(name, MAX_SHOWN), rounded(density_of(*tau))),
+                false => format!("{}={tau}", excerpt(name, MAX_SHOWN)),
+            })
             .collect();
         if !canopies.is_empty() {
             line!(out, "  canopies    {}", canopies.join(" "));

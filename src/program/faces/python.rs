@@ -109,6 +109,7 @@ const CLASSES: &[Class] = &[
             "reflectance",
             "schedule",
             "transmittance",
+            "leaf_area_density",
             "every",
             "stamp",
             "year",
@@ -227,7 +228,7 @@ fn type_of(row: &Row) -> String {
         (_, "receivers") if row.short == Some('r') && row.role == Role::Input(InputKind::Any) => "Wanted".to_owned(),
         (_, "memory") => "int | str".to_owned(),
         (_, "from" | "to") if metavar == "DAY" => "str | datetime.date".to_owned(),
-        (_, "reflectance" | "schedule" | "transmittance" | "temperature") => {
+        (_, "reflectance" | "schedule" | "transmittance" | "leaf_area_density" | "temperature") => {
             return "Mapping[str, Follow] | None".to_owned();
         }
         (_, "move") => return "Mapping[str, Sequence[float]] | None".to_owned(),

@@ -148,7 +148,10 @@ class ReplayOptions(TypedDict, total=False):
     """Change a diffuse reflectance over time: a CSV with a column `reflectance` and a line for each condition, for each row of the weather file, or for each of 12 months; may be repeated."""
 
     transmittance: Mapping[str, Follow] | None
-    """Change the transmittance of canopies, the share of light that each of their faces lets through: GROUP=0.4, or a CSV as for `schedule`, with a column `transmittance` (leaves by season); may be repeated, the last one counts."""
+    """Change the transmittance of canopies, the share of light that each of their faces, or each metre of a volume of leaves, lets through: GROUP=0.4, or a CSV as for `schedule`, with a column `transmittance` (leaves by season); may be repeated, the last one counts."""
+
+    leaf_area_density: Mapping[str, Follow] | None
+    """Change the leaf area density of crowns that are volumes of leaves, m2/m3: GROUP=0.8, or a CSV as for `schedule`, with a column `leaf_area_density` (leaves by season); may be repeated, the last one counts."""
 
     latitude: float | None
     """Latitude of the weather, degrees, north positive, in place of that of the file [default if the file states none: that of the scene]"""
@@ -281,7 +284,10 @@ class WriteOptions(TypedDict, total=False):
     """Change a diffuse reflectance over time: a CSV with a column `reflectance` and a line for each condition, for each row of the weather file, or for each of 12 months; may be repeated."""
 
     transmittance: Mapping[str, Follow] | None
-    """Change the transmittance of canopies, the share of light that each of their faces lets through: GROUP=0.4, or a CSV as for `schedule`, with a column `transmittance` (leaves by season); may be repeated, the last one counts."""
+    """Change the transmittance of canopies, the share of light that each of their faces, or each metre of a volume of leaves, lets through: GROUP=0.4, or a CSV as for `schedule`, with a column `transmittance` (leaves by season); may be repeated, the last one counts."""
+
+    leaf_area_density: Mapping[str, Follow] | None
+    """Change the leaf area density of crowns that are volumes of leaves, m2/m3: GROUP=0.8, or a CSV as for `schedule`, with a column `leaf_area_density` (leaves by season); may be repeated, the last one counts."""
 
     latitude: float | None
     """Latitude of the weather, degrees, north positive, in place of that of the file [default if the file states none: that of the scene]"""
@@ -396,7 +402,10 @@ class QueryOptions(TypedDict, total=False):
     """Change a diffuse reflectance over time: a CSV with a column `reflectance` and a line for each condition, for each row of the weather file, or for each of 12 months; may be repeated."""
 
     transmittance: Mapping[str, Follow] | None
-    """Change the transmittance of canopies, the share of light that each of their faces lets through: GROUP=0.4, or a CSV as for `schedule`, with a column `transmittance` (leaves by season); may be repeated, the last one counts."""
+    """Change the transmittance of canopies, the share of light that each of their faces, or each metre of a volume of leaves, lets through: GROUP=0.4, or a CSV as for `schedule`, with a column `transmittance` (leaves by season); may be repeated, the last one counts."""
+
+    leaf_area_density: Mapping[str, Follow] | None
+    """Change the leaf area density of crowns that are volumes of leaves, m2/m3: GROUP=0.8, or a CSV as for `schedule`, with a column `leaf_area_density` (leaves by season); may be repeated, the last one counts."""
 
     progress: Progress | None
     """Called now and then with the stage, the number of items done, and the number of all."""
@@ -484,7 +493,10 @@ class CompareOptions(TypedDict, total=False):
     """Change a diffuse reflectance over time: a CSV with a column `reflectance` and a line for each condition, for each row of the weather file, or for each of 12 months; may be repeated."""
 
     transmittance: Mapping[str, Follow] | None
-    """Change the transmittance of canopies, the share of light that each of their faces lets through: GROUP=0.4, or a CSV as for `schedule`, with a column `transmittance` (leaves by season); may be repeated, the last one counts."""
+    """Change the transmittance of canopies, the share of light that each of their faces, or each metre of a volume of leaves, lets through: GROUP=0.4, or a CSV as for `schedule`, with a column `transmittance` (leaves by season); may be repeated, the last one counts."""
+
+    leaf_area_density: Mapping[str, Follow] | None
+    """Change the leaf area density of crowns that are volumes of leaves, m2/m3: GROUP=0.8, or a CSV as for `schedule`, with a column `leaf_area_density` (leaves by season); may be repeated, the last one counts."""
 
     latitude: float | None
     """Latitude of the weather, degrees, north positive, in place of that of the file [default if the file states none: that of the scene]"""
@@ -587,7 +599,10 @@ class BuildingsOptions(TypedDict, total=False):
     """Change a diffuse reflectance over time: a CSV with a column `reflectance` and a line for each condition, for each row of the weather file, or for each of 12 months; may be repeated."""
 
     transmittance: Mapping[str, Follow] | None
-    """Change the transmittance of canopies, the share of light that each of their faces lets through: GROUP=0.4, or a CSV as for `schedule`, with a column `transmittance` (leaves by season); may be repeated, the last one counts."""
+    """Change the transmittance of canopies, the share of light that each of their faces, or each metre of a volume of leaves, lets through: GROUP=0.4, or a CSV as for `schedule`, with a column `transmittance` (leaves by season); may be repeated, the last one counts."""
+
+    leaf_area_density: Mapping[str, Follow] | None
+    """Change the leaf area density of crowns that are volumes of leaves, m2/m3: GROUP=0.8, or a CSV as for `schedule`, with a column `leaf_area_density` (leaves by season); may be repeated, the last one counts."""
 
     latitude: float | None
     """Latitude of the weather, degrees, north positive, in place of that of the file [default if the file states none: that of the scene]"""
@@ -675,7 +690,10 @@ class PlacesOptions(TypedDict, total=False):
     """Change a diffuse reflectance over time: a CSV with a column `reflectance` and a line for each condition, for each row of the weather file, or for each of 12 months; may be repeated."""
 
     transmittance: Mapping[str, Follow] | None
-    """Change the transmittance of canopies, the share of light that each of their faces lets through: GROUP=0.4, or a CSV as for `schedule`, with a column `transmittance` (leaves by season); may be repeated, the last one counts."""
+    """Change the transmittance of canopies, the share of light that each of their faces, or each metre of a volume of leaves, lets through: GROUP=0.4, or a CSV as for `schedule`, with a column `transmittance` (leaves by season); may be repeated, the last one counts."""
+
+    leaf_area_density: Mapping[str, Follow] | None
+    """Change the leaf area density of crowns that are volumes of leaves, m2/m3: GROUP=0.8, or a CSV as for `schedule`, with a column `leaf_area_density` (leaves by season); may be repeated, the last one counts."""
 
     latitude: float | None
     """Latitude of the weather, degrees, north positive, in place of that of the file [default if the file states none: that of the scene]"""
@@ -772,7 +790,10 @@ class ShadingOptions(TypedDict, total=False):
     """Change a diffuse reflectance over time: a CSV with a column `reflectance` and a line for each condition, for each row of the weather file, or for each of 12 months; may be repeated."""
 
     transmittance: Mapping[str, Follow] | None
-    """Change the transmittance of canopies, the share of light that each of their faces lets through: GROUP=0.4, or a CSV as for `schedule`, with a column `transmittance` (leaves by season); may be repeated, the last one counts."""
+    """Change the transmittance of canopies, the share of light that each of their faces, or each metre of a volume of leaves, lets through: GROUP=0.4, or a CSV as for `schedule`, with a column `transmittance` (leaves by season); may be repeated, the last one counts."""
+
+    leaf_area_density: Mapping[str, Follow] | None
+    """Change the leaf area density of crowns that are volumes of leaves, m2/m3: GROUP=0.8, or a CSV as for `schedule`, with a column `leaf_area_density` (leaves by season); may be repeated, the last one counts."""
 
     latitude: float | None
     """Latitude of the weather, degrees, north positive, in place of that of the file [default if the file states none: that of the scene]"""
@@ -1215,7 +1236,10 @@ class ComfortOptions(TypedDict, total=False):
     """Change a diffuse reflectance over time: a CSV with a column `reflectance` and a line for each condition, for each row of the weather file, or for each of 12 months; may be repeated."""
 
     transmittance: Mapping[str, Follow] | None
-    """Change the transmittance of canopies, the share of light that each of their faces lets through: GROUP=0.4, or a CSV as for `schedule`, with a column `transmittance` (leaves by season); may be repeated, the last one counts."""
+    """Change the transmittance of canopies, the share of light that each of their faces, or each metre of a volume of leaves, lets through: GROUP=0.4, or a CSV as for `schedule`, with a column `transmittance` (leaves by season); may be repeated, the last one counts."""
+
+    leaf_area_density: Mapping[str, Follow] | None
+    """Change the leaf area density of crowns that are volumes of leaves, m2/m3: GROUP=0.8, or a CSV as for `schedule`, with a column `leaf_area_density` (leaves by season); may be repeated, the last one counts."""
 
     time_zone: str | float | None
     """Time zone of the weather file's clock, in place of that of the file: hours ahead of UTC, such as +01:00, -7 or UTC, or a name, such as Europe/Amsterdam, with its summer time. If its time stamps state an offset, the zone of days and labels in results."""

@@ -1,5 +1,6 @@
-//! View factors of receivers as a table: the shares of each hemisphere by what is seen, and the
-//! vertical sky component. In: the shares that the build stored, sky components. Out: a table of
+//! View factors of receivers as a table: the shares of each hemisphere by what is seen, the
+//! vertical sky component, and gaps among leaves. In: the shares that the build stored, sky
+//! components, gap fractions. Out: a table of
 //! any format.
 
 use std::path::Path;
@@ -7,6 +8,7 @@ use std::path::Path;
 use super::provenance::Provenance;
 use super::tables::column::Column;
 use super::tables::table::Table;
+use crate::gap_fractions::{Gaps, RINGS};
 use crate::outputs::tables::table::Cell;
 use heliotile_core::error::Result;
 
@@ -16,6 +18,12 @@ const SHARES: [&str; 4] = ["sky_view", "ground_view", "obstruction_view", "nothi
 /// Columns of the direct light of the CIE traditional overcast sky, percent of that on open ground,
 /// and of the flag that no sky is seen.
 const SKY: [&str; 2] = ["vsc_percent", "no_sky"];
+
+/// Columns of the gaps above a receiver that faces the zenith: shares of the sky by rings of zenith
+/// angles, through leaves, and the leaf area index that follows.
+const GAPS: [&str; RINGS] =
+    ["gap_7_deg_percent", "gap_23_deg_percent", "gap_38_deg_percent", "gap_53_deg_percent", "gap_68_deg_percent"];
+const LEAVES: &str = "leaf_area_index";
 
 /// Decimals of percent in CSV.
 const PERCENT_DECIMALS: usize = 3;
@@ -33,19 +41,25 @@ impl ViewFactorTable {
     pub fn create(path: &Path, count: u64, about: &Provenance) -> Result<Self> {
         let shares = SHARES.map(|name| Column::number(name, DECIMALS));
         let sky = [Column::number(SKY[0], PERCENT_DECIMALS), Column::count(SKY[1])];
-        let columns = std::iter::once(Column::text("receiver")).chain(shares).chain(sky).collect();
+        let gaps = GAPS.map(|name| Column::number(name, PERCENT_DECIMALS)).into_iter();
+        let gaps = gaps.chain([Column::number(LEAVES, PERCENT_DECIMALS)]);
+        let columns = std::iter::once(Column::text("receiver")).chain(shares).chain(sky).chain(gaps).collect();
         Ok(ViewFactorTable { table: Table::of_rows(path, columns, count, Some(about))? })
     }
 
     /// Appends a row. `views` are the cosine-weighted shares of sky, ground and obstructions; the
     /// remaining share meets nothing, below the horizon beyond the edge of the scene. `vsc_percent`
     /// is the direct light of the CIE traditional overcast sky, percent of that on open ground.
-    pub fn row(&mut self, receiver: &str, views: [f32; 3], vsc_percent: f64) -> Result<()> {
+    /// Cells of gaps are empty where a receiver does not face the zenith.
+    pub fn row(&mut self, receiver: &str, views: [f32; 3], vsc_percent: f64, gaps: Option<Gaps>) -> Result<()> {
         let [sky, ground, obstruction] = views.map(f64::from);
         let nothing = (1.0 - sky - ground - obstruction).max(0.0);
         let shares = [sky, ground, obstruction, nothing].map(Cell::from);
         let no_sky = Cell::Count(u64::from(views[0] == 0.0));
-        self.table.row(std::iter::once(receiver.into()).chain(shares).chain([vsc_percent.into(), no_sky]))
+        let of_ring = |ring: usize| Cell::Number(gaps.map(|gaps| 100.0 * gaps.shares[ring]));
+        let leaves = Cell::Number(gaps.and_then(|gaps| gaps.leaf_area_index));
+        let gaps = (0..RINGS).map(of_ring).chain([leaves]);
+        self.table.row(std::iter::once(receiver.into()).chain(shares).chain([vsc_percent.into(), no_sky]).chain(gaps))
     }
 
     /// Returns true if the reader of the output has gone away.

@@ -76,7 +76,7 @@ impl<'a> GroundBelow<'a> {
 
     /// Returns the height of the ground at a place: that of the first raster that has one, else of
     /// the highest triangle.
-    fn height(&self, at: DVec2) -> Option<f64> {
+    pub(crate) fn height(&self, at: DVec2) -> Option<f64> {
         let of_raster = self.rasters.iter().find_map(|raster| of_raster(raster, at));
         of_raster.or_else(|| {
             let cell = self.cell(at);

@@ -329,7 +329,7 @@ fn number_of(value: &Value) -> Option<f64> {
 
 /// Returns a length in metres: `12`, `12.5`, `12,5 m`, `40 ft`, `40'`, `40'6"` (OSM wiki, "Map
 /// features/Units").
-fn metres_of(value: &Value) -> Option<f64> {
+pub(crate) fn metres_of(value: &Value) -> Option<f64> {
     if let Some(number) = number_of(value) {
         return Some(number);
     }

@@ -67,11 +67,12 @@ enum Format {
 
 /// Endings of file names in lower case, with their formats. Each may be followed by `.gz` or
 /// `.zip`.
-const ENDINGS: [(&str, Format); 28] = [
+const ENDINGS: [(&str, Format); 29] = [
     ("asc", Format::AsciiGrid),
     ("citygml", Format::CityGml),
     ("cityjson", Format::CityJson),
     ("cityjsonl", Format::CityJson),
+    ("csv", Format::Features(FeatureFormat::TreeCsv)),
     ("dem", Format::AsciiGrid),
     ("epjson", Format::EnergyPlus),
     ("geojson", Format::Features(FeatureFormat::GeoJson)),
@@ -99,7 +100,7 @@ const ENDINGS: [(&str, Format); 28] = [
 ];
 
 const SUPPORTED: &str = ".json, .jsonl, .cityjson and .cityjsonl (CityJSON), .gml, .citygml and .xml (CityGML), .tif, .tiff, .geotiff, .asc and .dem (terrain), .epjson and .idf (EnergyPlus), .hbjson \
-                         (Honeybee), .geojson, .geojsonl, .geojsonseq, .ndjson, .shp, .gpkg, .parquet and .geoparquet (footprints), .gltf, .glb, .obj, .ply, .stl, each also packed, with .gz or .zip behind it, and site.toml";
+                         (Honeybee), .geojson, .geojsonl, .geojsonseq, .ndjson, .shp, .gpkg, .parquet and .geoparquet (footprints, trees), .csv (registers of trees), .gltf, .glb, .obj, .ply, .stl, each also packed, with .gz or .zip behind it, and site.toml";
 
 /// Returns the scene format that the name of `path` belongs to, packed with `.gz` or not. Returns
 /// `None` for `.json` too, which need not be a scene.
@@ -112,7 +113,8 @@ impl Format {
     /// Returns true if files of this format are plain text, which may be UTF-16.
     fn is_text(self) -> bool {
         !matches!(self, Format::GeoTiff | Format::Gltf | Format::Ply | Format::Stl)
-            && (!matches!(self, Format::Features(_)) || self == Format::Features(FeatureFormat::GeoJson))
+            && (!matches!(self, Format::Features(_))
+                || matches!(self, Format::Features(FeatureFormat::GeoJson | FeatureFormat::TreeCsv)))
     }
 
     fn name(self) -> Option<&'static str> {
@@ -125,6 +127,8 @@ impl Format {
             Format::Features(FeatureFormat::GeoPackage) => "GeoPackage",
             Format::Features(FeatureFormat::GeoParquet) => "GeoParquet",
             Format::Features(FeatureFormat::Shapefile) => "shapefile",
+            // A CSV may be weather or receivers, too.
+            Format::Features(FeatureFormat::TreeCsv) => return None,
             Format::GeoTiff => "TIFF",
             Format::Gltf => "glTF",
             Format::Honeybee => "Honeybee",

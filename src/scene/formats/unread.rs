@@ -81,11 +81,7 @@ const UNREAD: [(&[&str], &str, &str); 19] = [
         "convert it: `gdal_translate -co COMPRESS=DEFLATE in.vrt out.tif`, and give out.tif",
     ),
     (&["shx", "dbf", "prj", "cpg", "sbn"], "a part of a shapefile", "give the .shp beside it"),
-    (
-        &["epw", "csv", "wea"],
-        "weather or a table",
-        "give weather as {weather} and receivers as {receivers}, and files with geometry as the scene",
-    ),
+    (&["epw", "wea"], "weather", "give it as {weather}, and files with geometry as the scene"),
 ];
 
 /// Returns the error for a known ending that heliotile does not read; `None` for other endings.

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::materials::select::class_of_name;
 use crate::text::excerpt;
-use heliotile_core::site::material::{Class, Material};
+use heliotile_core::site::material::{BROADLEAF_DIFFUSE, Class, Material};
 use heliotile_core::text::{Message, counted, message};
 
 /// Solar reflectance of walls: absorptance 0.7, the default of EnergyPlus' `Material` (Input Output
@@ -57,7 +57,7 @@ pub(crate) fn assumed(name: &str) -> Material {
     let has = |words: &[&str]| words.iter().any(|word| lower.contains(word));
     let class = class_of_name(name);
     if has(&["vegetation", "tree", "canopy"]) && class == Class::Obstruction && !lower.contains("street") {
-        let matt = Material::matt(name, 0.0, class);
+        let matt = Material::matt(name, BROADLEAF_DIFFUSE * (1.0 - CROWN), class);
         return Material { transmittance: Some(CROWN), ..matt };
     }
     if let Some((_, reflectance)) = LAND.iter().find(|(known, _)| *known == lower) {
@@ -104,7 +104,7 @@ mod tests {
             ("TINRelief", 0.2, None, Class::Ground),
             ("WaterBody", 0.07, None, Class::Ground),
             ("Window", 0.15, None, Class::Obstruction),
-            ("SolitaryVegetationObject", 0.0, Some(0.17), Class::Obstruction),
+            ("SolitaryVegetationObject", 0.425 * 0.83, Some(0.17), Class::Obstruction),
             ("street", 0.2, None, Class::Ground),
             ("default", 0.2, None, Class::Obstruction),
             ("paved", 0.18, None, Class::Ground),

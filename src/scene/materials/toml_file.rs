@@ -15,10 +15,12 @@ use crate::materials::select::{MaterialTable, table_header};
 use crate::text::{excerpt, line_of_offset, without_byte_order_mark};
 use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::site::bands::{Band, BandProperty};
-use heliotile_core::site::material::{Class, Glass, Material};
+use heliotile_core::site::material::{
+    BROADLEAF_DIFFUSE, Class, Glass, MAX_LEAF_AREA_DENSITY, Material, left_after_metre,
+};
 use heliotile_files::input;
 
-const KEYS: &str = "valid keys are `diffuse`, `specular` and `transmittance` (numbers from 0 to 1, or by band as in \
+const KEYS: &str = "valid keys are `leaf_area_density` (m2/m3, of closed crowns), `diffuse`, `specular` and `transmittance` (numbers from 0 to 1, or by band as in \
                     { solar = 0.25, visible = 0.1, nir = 0.4 }), `emissivity` (longwave, a number from 0 to 1), `glass` (true, \"single\" or \"double\"), `class` (\"ground\" or \
                     \"obstruction\") and `group` (a name)";
 
@@ -75,7 +77,7 @@ impl Reader<'_> {
         };
         let mut entries: Vec<_> = keys.iter().collect();
         entries.sort_by_key(|(key, _)| key.span().start);
-        let (mut diffuse, mut class, mut elevation) = (None, None, None);
+        let (mut diffuse, mut class, mut elevation, mut density) = (None, None, None, None);
         let mut material = Material::matt(name, 0.0, class_of_name(name));
         for (key, value) in entries {
             match (key.get_ref().as_ref(), value.get_ref()) {
@@ -84,6 +86,7 @@ impl Reader<'_> {
                 ("transmittance", _) => {
                     material.transmittance = Some(self.share(&mut material, BandProperty::Transmittance, value)?);
                 }
+                ("leaf_area_density", _) => density = Some(self.density(&shown, value)?),
                 ("emissivity", _) => {
                     let called = format!("`emissivity` of material `{shown}`");
                     material.bands.emissivity = Some(self.fraction(&called, value)?);
@@ -111,6 +114,15 @@ impl Reader<'_> {
                 }
             }
         }
+        if let Some(density) = density {
+            if material.transmittance.is_some() {
+                let what = format!("material `{shown}` has a `leaf_area_density` and a `transmittance`");
+                let hint = "leave one out: the density is of crowns as volumes, the transmittance of each face";
+                return Err(self.error(place, what, hint).because(Problem::excludes("leaf_area_density")));
+            }
+            (material.transmittance, material.volume) = (Some(left_after_metre(density)), true);
+            diffuse = diffuse.or(Some(BROADLEAF_DIFFUSE));
+        }
         // Leaves and screens scatter nothing unless the file states it.
         let Some(diffuse) = diffuse.or(material.transmittance.map(|_| 0.0)) else {
             return Err(self.error(place, format!("material `{shown}` has no `diffuse`"), "add a line: diffuse = 0.2"));
@@ -119,6 +131,16 @@ impl Reader<'_> {
         material.class = class.unwrap_or(material.class);
         material.check().map_err(|what| self.error(place, format!("material `{shown}`: {what}"), KEYS))?;
         Ok((material, elevation))
+    }
+
+    fn density(&self, shown: &str, value: &Spanned<DeValue>) -> Result<f64> {
+        number(value).filter(|number| (0.0..=MAX_LEAF_AREA_DENSITY).contains(number)).ok_or_else(|| {
+            let what = format!("`leaf_area_density` of material `{shown}` is {}", self.quote(value));
+            let hint = format!(
+                "give m2 of leaves (one side) per m3 of crown, from 0 to {MAX_LEAF_AREA_DENSITY}; street trees have 0.5 to 2"
+            );
+            self.error(value.span(), what, hint).because(Problem::value("leaf_area_density", self.quote(value)))
+        })
     }
 
     fn elevation(&self, value: &Spanned<DeValue>) -> Result<f64> {

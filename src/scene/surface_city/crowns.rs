@@ -1,4 +1,4 @@
-//! Crowns of trees. In: heights of crowns above the ground. Out: closed hulls of canopies whose
+//! Crowns of trees. In: heights of crowns above the ground. Out: closed hulls of leaves whose
 //! underside lies above open trunk space.
 
 use std::collections::HashMap;
@@ -10,14 +10,13 @@ use crate::surface_city::outlines::GROUND;
 use crate::surface_city::standing::MIN_CROWN_M;
 use crate::surface_city::writer::{Corner, FaceOf, Writer};
 use crate::surface_rasters::SurfaceRasters;
+use crate::trees::TREES;
 use heliotile_core::error::Result;
-use heliotile_core::site::material::{Class, Material};
+use heliotile_core::site::material::{BROADLEAF_DIFFUSE, Material};
 use heliotile_core::site::scene_object::ObjectNote;
 
 /// Name of the material of crowns.
 const NAME: &str = "canopy";
-/// Name of the group of crowns, which schedules of leaves refer to.
-pub(crate) const TREES: &str = "trees";
 
 /// Largest error of the top of a thinned crown, metres.
 const OFF_M: f32 = 0.25;
@@ -49,11 +48,12 @@ pub(super) fn write(
     }
     let crowns = Crowns { heights: heights(crown, &piece), piece, list };
     let material = writer.material(NAME);
-    // Light passes two walls of a crown, so that each has the square root of its transmittance.
-    let share = options.crown().sqrt();
-    let canopy = Material::matt(NAME, 0.0, Class::Obstruction);
-    let canopy = Material { transmittance: Some(share), group: Some(TREES.to_owned()), ..canopy };
+    let canopy = Material::of_leaves(NAME, options.density(), BROADLEAF_DIFFUSE);
+    let canopy = Material { group: Some(TREES.to_owned()), ..canopy };
     writer.geometry.stated.insert(NAME.to_owned(), canopy);
+    if options.leaf_area_density.is_none() {
+        writer.geometry.assumed.insert(NAME.to_owned());
+    }
     let note = |name: &str| ObjectNote {
         object: name.to_owned(),
         object_type: "PlantCover".to_owned(),

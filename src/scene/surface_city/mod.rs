@@ -37,8 +37,6 @@ mod straight;
 mod tests;
 mod writer;
 
-pub(crate) use crowns::TREES;
-
 use std::collections::BTreeSet;
 use std::path::Path;
 

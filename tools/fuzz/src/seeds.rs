@@ -276,7 +276,7 @@ fn layers_of_some_scenes() {
     ];
     let of_cell = CellMirrors { windows, paths: vec![CellPath { up: true, cell, steps }] };
     seed("cell_mirror", &[&[8][..], &of_cell.to_bytes(8)].concat());
-    let crossing = |ray: u32| Crossing { ray, material: (ray % 2) as u16, count: 1 + (ray * 7) as u8 };
+    let crossing = |ray: u32| Crossing { ray, material: (ray % 2) as u16, count: 1 + (ray * 7) as u16 };
     let [sky, seen] = [0..64, 3..9].map(|rays| rays.map(crossing).collect::<Vec<_>>());
     let leaves = vec![SeenLeaf { cell, before: vec![(1, 2)], share: 0.25 }];
     let canopy = Canopy::new([&sky, &seen], [64, 16], leaves);

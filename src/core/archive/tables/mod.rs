@@ -27,7 +27,7 @@ pub use index::IndexTable;
 pub use materials::MaterialsTable;
 pub use names::{NAMES_A_CHUNK, NameOf, NameRow, NamesTable};
 pub use objects::{MAX_ATTRIBUTES, ObjectsTable};
-pub use optics::{MirrorsTable, OpticsTable};
+pub use optics::{MirrorsTable, OpticsTable, VOLUME, kind_of_canopy};
 pub use overview::{NORMAL_STEPS, OverviewTable};
 pub use parts::PartsTable;
 pub use receivers::ReceiversTable;

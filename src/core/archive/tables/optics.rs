@@ -5,15 +5,28 @@ use rkyv::{Archive, Deserialize, Serialize};
 
 use crate::archive::format::{MAX_MATERIALS, MIRRORS, OPTICS};
 use crate::archive::tables::{Flaw, column, is_share, length_in, table};
+use crate::site::material::Material;
+
+/// Code of a volume of leaves in [`OpticsTable::canopy`].
+pub const VOLUME: u8 = 2;
+
+/// Returns the code of a material in [`OpticsTable::canopy`].
+pub fn kind_of_canopy(material: &Material) -> u8 {
+    match material.transmittance {
+        Some(_) if material.volume => VOLUME,
+        found => u8::from(found.is_some()),
+    }
+}
 
 /// Table of the optics of all materials, in the rows of the materials table, schema 1.
 #[derive(Clone, Debug, Default, PartialEq, Archive, Serialize, Deserialize)]
 pub struct OpticsTable {
     /// Number of panes of clear glass, 0 to 2.
     pub panes: Vec<u8>,
-    /// Mark of a canopy: 1, or 0 for an opaque material.
+    /// Kind of a canopy: 0 opaque, 1 dims light at each crossing of a face, [`VOLUME`] along each
+    /// metre inside.
     pub canopy: Vec<u8>,
-    /// Transmittance of a canopy at each crossing; 0 for an opaque material.
+    /// Transmittance of a canopy at each crossing or along each metre; 0 for an opaque material.
     pub transmittance: Vec<f64>,
 }
 
@@ -31,7 +44,7 @@ impl OpticsTable {
             return Err(Flaw::new(format!("{rows} materials"), format!("1 to {MAX_MATERIALS}")));
         }
         column("panes", &self.panes, rows, "0 to 2", |panes| *panes <= 2)?;
-        column("canopy", &self.canopy, rows, "0 or 1", |canopy| *canopy <= 1)?;
+        column("canopy", &self.canopy, rows, "0 to 2", |canopy| *canopy <= VOLUME)?;
         column("transmittance", &self.transmittance, rows, "0 to 1", |value| is_share(*value))
     }
 }
@@ -95,7 +108,7 @@ mod tests {
     fn ranges_are_checked() {
         let good = OpticsTable { panes: vec![0, 2], canopy: vec![1, 0], transmittance: vec![0.25, 0.0] };
         let flaws: [fn(&mut OpticsTable); 4] =
-            [|o| o.panes[0] = 3, |o| o.canopy[1] = 2, |o| o.transmittance[0] = f64::NAN, |o| o.transmittance.clear()];
+            [|o| o.panes[0] = 3, |o| o.canopy[1] = 3, |o| o.transmittance[0] = f64::NAN, |o| o.transmittance.clear()];
         let refused = flaws.iter().filter(|flaw| {
             let mut wrong = good.clone();
             flaw(&mut wrong);

@@ -211,7 +211,7 @@ impl TableColumns {
 }
 
 /// Units by the ending of a column's name, or by the whole name; longer endings first.
-const UNITS: [(&str, &str); 16] = [
+const UNITS: [(&str, &str); 17] = [
     ("_minutes", "min"),
     ("_kwh_m2", "kWh/m2"),
     ("_kwh", "kWh"),
@@ -225,6 +225,7 @@ const UNITS: [(&str, &str); 16] = [
     ("_m2", "m2"),
     ("_m", "m"),
     ("_view", "1"),
+    ("leaf_area_index", "1"),
     ("area", "m2"),
     ("bytes", "byte"),
     ("receivers", "1"),

@@ -7,7 +7,8 @@ use std::path::Path;
 use glam::{DVec2, DVec3};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::scene_object::ObjectNote;
-use heliotile_core::text::{Message, message, with_list};
+use heliotile_core::text::{Message, counted, message, with_list};
+use serde_json::{Map, Value};
 
 use super::feature::{Feature, FeaturePolygon};
 use super::hstore;
@@ -19,6 +20,8 @@ use crate::footprints::region::{is_crossed, oriented, repaired, united};
 use crate::footprints::stated::{Heights, NO_HEIGHT, Stated};
 use crate::formats::ReadOptions;
 use crate::geometry::Geometry;
+use crate::tree_point::TreePoint;
+use crate::trees::stated_tree;
 use heliotile_core::site::semantics::FaceNote;
 
 /// Difference of corner heights above which a polygon is not level, metres.
@@ -57,9 +60,14 @@ pub(in crate::formats) struct Collector<'a> {
     first_unreadable: Option<String>,
     /// Names of the footprints whose polygons overlapped.
     united: Vec<String>,
+    /// Number of trees whose crowns have an assumed width.
+    assumed_widths: usize,
     /// Sentences on the file, from its reader.
     doubts: Vec<Message>,
 }
+
+/// Reason for leaving out points and lines that are no trees.
+const NO_FACE: &str = "as points or lines, which shade nothing";
 
 impl<'a> Collector<'a> {
     pub(in crate::formats) fn new(file: &'a Path, asked: &'a ReadOptions) -> Self {
@@ -78,6 +86,7 @@ impl<'a> Collector<'a> {
             unreadable: 0,
             first_unreadable: None,
             united: Vec::new(),
+            assumed_widths: 0,
             doubts: Vec::new(),
         }
     }
@@ -90,19 +99,22 @@ impl<'a> Collector<'a> {
             self.leave_unread(format!("feature {}: {what}", self.features));
             return Ok(());
         }
-        if feature.polygons.is_empty() {
-            let reason =
-                if feature.has_others { "as points or lines, which shade nothing" } else { "without a geometry" };
+        if feature.polygons.is_empty() && feature.points.is_empty() {
+            let reason = if feature.has_others { NO_FACE } else { "without a geometry" };
             self.geometry.leave_out(reason);
             return Ok(());
         }
-        let corners = || feature.polygons.iter().flatten().flatten();
+        let corners = || feature.polygons.iter().flatten().flatten().chain(&feature.points);
         if let Some(bad) = corners().find(|p| !p.is_finite() || p.abs().max_element() > MAX_COORDINATE_M) {
             let what = format!("feature {} has a corner at {bad}, not degrees or metres of at most 1e9", self.features);
             self.leave_unread(what);
             return Ok(());
         }
         let attributes = flat(&feature.attributes);
+        if feature.polygons.is_empty() {
+            self.trees(feature, attributes);
+            return Ok(());
+        }
         let stated = Stated::new(&attributes, &self.asked.footprints);
         if let Some(reason) = stated.is_other() {
             self.geometry.leave_out(reason);
@@ -160,6 +172,30 @@ impl<'a> Collector<'a> {
         Ok(())
     }
 
+    /// Adds the trees that the points of a feature stand for.
+    fn trees(&mut self, mut feature: Feature, attributes: Map<String, Value>) {
+        let tree = match stated_tree(&attributes) {
+            None => return self.geometry.leave_out(NO_FACE),
+            Some(Err(reason)) => return self.geometry.leave_out(reason),
+            Some(Ok(tree)) => tree,
+        };
+        self.assumed_widths += usize::from(tree.width_is_assumed);
+        let id = feature.id.take().filter(|id| !id.trim().is_empty());
+        let id = id.or_else(|| Stated::new(&attributes, &self.asked.footprints).id()).map(|id| format!("tree {id}"));
+        let text = text_of(attributes);
+        for at in feature.points {
+            let name = self.name(id.clone());
+            self.geometry.trees.push(TreePoint {
+                name,
+                number: self.features,
+                at: at.truncate(),
+                crown: tree.crown,
+                leaves: tree.leaves,
+                attributes: text.clone(),
+            });
+        }
+    }
+
     /// Leaves out a feature that cannot be read; the others are read.
     fn leave_unread(&mut self, what: String) {
         self.unreadable += 1;
@@ -209,6 +245,7 @@ impl<'a> Collector<'a> {
         // The extent of all coordinates helps to tell degrees from metres.
         let outlines = self.geometry.footprints.iter().flat_map(Footprint::rings).flatten().copied();
         let all = outlines.chain(self.geometry.vertices.iter().map(|vertex| vertex.truncate()));
+        let all = all.chain(self.geometry.trees.iter().map(|tree| tree.at));
         let bounds = all.fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |[low, high], p| [low.min(p), high.max(p)]);
         let placing = Placing::new(self.file, &system, bounds, self.asked.system)?;
         let place = |at: DVec2| {
@@ -225,6 +262,9 @@ impl<'a> Collector<'a> {
             for corner in footprint.polygons.iter_mut().flatten().flatten() {
                 *corner = place(*corner)?;
             }
+        }
+        for tree in &mut self.geometry.trees {
+            tree.at = place(tree.at)?;
         }
         self.geometry.reference = placing.reference;
         self.geometry.in_metres = placing.in_metres;
@@ -305,6 +345,12 @@ impl<'a> Collector<'a> {
                 .push(format!("{} features cannot be read and are left out: {first}", self.unreadable).into());
         }
         self.geometry.doubts.append(&mut self.doubts);
+        if self.assumed_widths > 0 {
+            self.geometry.doubts.push(message!(
+                "{} state no width of their crown: half of their height is assumed",
+                counted(self.assumed_widths as u64, "tree")
+            ));
+        }
         if let Some(count) = self.geometry.left_out.remove(NO_HEIGHT) {
             self.geometry.doubts.push(message!(
                 "{count} of {} features state neither a height nor storeys and are left out: {{height}} height,9m gives them 9 m",
@@ -320,7 +366,8 @@ impl<'a> Collector<'a> {
 
     /// Refuses a file of which nothing is left.
     fn refuse_nothing(&mut self) -> Result<()> {
-        if !self.geometry.footprints.is_empty() || self.geometry.face_count() > 0 {
+        let has_none = self.geometry.footprints.is_empty() && self.geometry.trees.is_empty();
+        if !has_none || self.geometry.face_count() > 0 {
             return Ok(());
         }
         let refuse = |what: Message, hint: &'static str| Err(Error::input(self.file, None, what, hint));

@@ -26,6 +26,7 @@ pub(in crate::formats) struct Feature {
     pub id: Option<String>,
     pub attributes: Map<String, Value>,
     pub polygons: Vec<FeaturePolygon>,
+    pub points: Vec<DVec3>,
     /// True if the polygons are the faces of a body (a multipatch, a polyhedral surface), whatever
     /// their slope.
     pub is_body: bool,

@@ -206,6 +206,12 @@ fn add(feature: &mut Feature, geometry: &Value, depth: usize) -> std::result::Re
                 feature.polygons.push(polygon(one)?);
             }
         }
+        "Point" => feature.points.push(position(coordinates)?),
+        "MultiPoint" => {
+            for one in list(coordinates)? {
+                feature.points.push(position(one)?);
+            }
+        }
         "GeometryCollection" if depth > 0 => {
             for one in geometry.get("geometries").and_then(Value::as_array).into_iter().flatten() {
                 add(feature, one, depth - 1)?;

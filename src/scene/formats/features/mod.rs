@@ -1,6 +1,7 @@
-//! Files of features: footprints of buildings with attributes. In: GeoJSON, shapefiles, GeoPackage,
-//! GeoParquet. Out: outlines with the heights that their attributes state, in metres; faces where a
-//! file holds walls and roofs (multipatches, polygons that are not level).
+//! Files of features: footprints of buildings and points of trees with attributes. In: GeoJSON,
+//! shapefiles, GeoPackage, GeoParquet, registers of trees as CSV. Out: outlines with the heights
+//! that their attributes state, in metres; trees; faces where a file holds walls and roofs
+//! (multipatches, polygons that are not level).
 //!
 //! | file | content |
 //! | --- | --- |
@@ -11,9 +12,9 @@
 //! | `shape_index` | which shape of a shapefile belongs to which row of its table |
 //! | `hstore` | OpenStreetMap tags in one column |
 //! | `layers` | which layers of a file are read |
-//! | `geojson`, `shapefile`, `geopackage`, `geoparquet` | one reader each |
+//! | `geojson`, `shapefile`, `geopackage`, `geoparquet`, `tree_csv` | one reader each |
 //!
-//! Points and lines are left out, with a warning.
+//! Points that state a tree become one; other points and lines are left out, with a warning.
 
 #[cfg(test)]
 mod case_tests;
@@ -30,6 +31,7 @@ mod shapes;
 mod system;
 #[cfg(test)]
 mod tests;
+mod tree_csv;
 
 use std::path::Path;
 
@@ -50,6 +52,8 @@ pub(super) enum FeatureFormat {
     GeoPackage,
     GeoParquet,
     Shapefile,
+    /// A register of trees.
+    TreeCsv,
 }
 
 /// Reads a file of features. `bytes` are its unpacked content; they are empty for a GeoPackage,
@@ -62,6 +66,7 @@ pub(super) fn parse(format: FeatureFormat, bytes: Vec<u8>, file: &Path, asked: &
         FeatureFormat::GeoPackage => geopackage::read(file, asked, &mut take),
         FeatureFormat::GeoParquet => geoparquet::read(bytes, file, &mut take),
         FeatureFormat::Shapefile => shapefile::read(bytes, file, &mut take),
+        FeatureFormat::TreeCsv => tree_csv::read(&bytes, file, &mut take),
     }?;
     collector.finish(system)
 }

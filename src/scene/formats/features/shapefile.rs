@@ -179,6 +179,9 @@ fn feature(shape: Shape) -> Feature {
             feature.polygons = faces(body.patches());
         }
         Shape::NullShape => {}
+        Shape::Point(at) => feature.points.push(DVec3::new(at.x, at.y, 0.0)),
+        Shape::PointM(at) => feature.points.push(DVec3::new(at.x, at.y, 0.0)),
+        Shape::PointZ(at) => feature.points.push(DVec3::new(at.x, at.y, 0.0)),
         _ => feature.has_others = true,
     }
     feature

@@ -25,6 +25,7 @@ const MAX_NESTED: usize = 32;
 #[derive(Default)]
 pub(super) struct Shapes {
     polygons: Vec<FeaturePolygon>,
+    points: Vec<DVec3>,
     polygon: FeaturePolygon,
     ring: Vec<DVec3>,
     corners: usize,
@@ -49,6 +50,7 @@ impl Shapes {
     /// Moves the polygons that were found into a feature.
     pub(super) fn fill(self, feature: &mut Feature) {
         feature.polygons = self.polygons;
+        feature.points = self.points;
         feature.is_body = self.is_body;
         feature.has_others = self.has_others;
     }
@@ -111,7 +113,21 @@ impl GeomProcessor for Shapes {
 
     fn point_begin(&mut self, _: usize) -> Result<()> {
         self.has_others = true;
+        self.piece.clear();
         Ok(())
+    }
+
+    fn point_end(&mut self, _: usize) -> Result<()> {
+        self.points.append(&mut self.piece);
+        Ok(())
+    }
+
+    fn multipoint_begin(&mut self, _: usize, _: usize) -> Result<()> {
+        self.point_begin(0)
+    }
+
+    fn multipoint_end(&mut self, _: usize) -> Result<()> {
+        self.point_end(0)
     }
 
     fn polygon_begin(&mut self, _: bool, _: usize, _: usize) -> Result<()> {
