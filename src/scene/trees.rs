@@ -138,7 +138,7 @@ const CONIFERS: [&str; 16] = [
 ];
 
 /// Reason for leaving out trees without a height.
-const NO_HEIGHT: &str = "as trees without a height";
+pub(crate) const NO_HEIGHT: &str = "as trees without a height";
 
 /// Tree as a feature states it.
 #[derive(Clone, Copy, Debug, PartialEq)]

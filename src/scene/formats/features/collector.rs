@@ -21,7 +21,7 @@ use crate::footprints::stated::{Heights, NO_HEIGHT, Stated};
 use crate::formats::ReadOptions;
 use crate::geometry::Geometry;
 use crate::tree_point::TreePoint;
-use crate::trees::stated_tree;
+use crate::trees::{self, stated_tree};
 use heliotile_core::site::semantics::FaceNote;
 
 /// Difference of corner heights above which a polygon is not level, metres.
@@ -347,7 +347,7 @@ impl<'a> Collector<'a> {
         self.geometry.doubts.append(&mut self.doubts);
         if self.assumed_widths > 0 {
             self.geometry.doubts.push(message!(
-                "{} state no width of their crown: half of their height is assumed",
+                "no width of the crown is stated for {}: half of the height is assumed",
                 counted(self.assumed_widths as u64, "tree")
             ));
         }
@@ -386,14 +386,17 @@ impl<'a> Collector<'a> {
             reasons.push(format!("{} that cannot be read", self.unreadable).into());
         }
         reasons.append(&mut self.doubts);
-        let what = message!("none of its {} features became a building; left out: ", self.features)
+        let what = message!("none of its {} features became a building or a tree; left out: ", self.features)
             .and(Message::joined(reasons, ", "));
-        match self.geometry.left_out.contains_key(NO_HEIGHT) {
-            true => refuse(
+        match &self.geometry.left_out {
+            left if left.contains_key(NO_HEIGHT) => refuse(
                 what,
                 "name the column of heights in {height} (as in {height} HGT), or give one for all: {height} 9m",
             ),
-            false => refuse(what, "export outlines of buildings as polygons, with a column of heights"),
+            left if left.contains_key(trees::NO_HEIGHT) => {
+                refuse(what, "state heights of trees in a column `height`; points that get light are {receivers}")
+            }
+            _ => refuse(what, "export outlines of buildings as polygons, with a column of heights"),
         }
     }
 }

@@ -119,7 +119,7 @@ fn implausible_files_are_refused_with_a_hint() {
     for (text, said) in [
         (String::new(), "the file is empty"),
         ("{\"type\":\"FeatureCollection\",\"features\":[]}".to_owned(), "holds no features"),
-        (polygon(here, ""), "none of its 1 features became a building; left out: 1 without a height"),
+        (polygon(here, ""), "none of its 1 features became a building or a tree; left out: 1 without a height"),
         (
             polygon("[[690000,5330000],[690010,5330000],[690010,5330010]]", "\"height\":3"),
             "stated as longitude and latitude, but reach",
