@@ -237,6 +237,19 @@ fn fewer_leaves_replay_as_they_build() {
     assert!(half < 1e-5, "{half}");
 }
 
+/// Along a hedge of 120 m light passes more leaves than a length can state, 82 m: the archive is
+/// built and read, and less than 1e-6 of the sun comes through.
+#[test]
+fn the_longest_ways_are_stored() {
+    let mut triangles = ground(150.0, 0.0, 0);
+    triangles.extend(block(v(0.0, -1.0, 0.2), v(120.0, 1.0, 3.0), 2));
+    let receivers = [receiver("along", v(-0.5, 0.1, 1.5), DVec3::X)];
+    let built = site(&of(&triangles, materials(1.0)), &receivers, &fine());
+    let rows = built.replay(&[sun(90.0, 0.5, 900.0, 100.0)], SkyModel::Uniform, MaxBounces::All);
+    let row = &rows["along"][0];
+    assert!(row.sun_direct < 1e-3 && row.sky_reflected > 0.1, "{row:?}");
+}
+
 /// An open hull has no inside: the build refuses it and names a place on its edge.
 #[test]
 fn an_open_hull_is_no_volume() {

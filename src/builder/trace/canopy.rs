@@ -207,7 +207,9 @@ impl<'a> Canopies<'a> {
     fn code_before(&self, material: u16, amount: f64) -> Option<u16> {
         let code = self.code(material, amount);
         match self.volumes.stopped(material) {
-            Some(_) => Some((code + CODES_BEFORE / 2) / CODES_BEFORE * CODES_BEFORE).filter(|code| *code > 0),
+            Some(_) => Some((code + CODES_BEFORE / 2) / CODES_BEFORE * CODES_BEFORE)
+                .map(|code| code.min(COUNTS as u16 - 1))
+                .filter(|code| *code > 0),
             None => Some(code),
         }
     }
