@@ -32,8 +32,8 @@ const ALL: [Ring; RINGS] = [
 ];
 
 /// Number of zenith and azimuth angles at which a ring is looked at.
-const ZENITHS: usize = 8;
-const AZIMUTHS: usize = 90;
+const ZENITHS: usize = 6;
+const AZIMUTHS: usize = 60;
 
 /// Irradiance of an open ring, W/m2. Any value would do: results are shares of it.
 const OPEN_W_M2: f64 = 100.0;
@@ -89,15 +89,19 @@ impl<'a> GapFractions<'a> {
         Replay::builder(site, &suns, settings).summed(&bins).build().map(GapFractions)
     }
 
-    /// Returns the gaps of each receiver, `[row]`, of one tile after the other; `None` for one that
-    /// does not face the zenith. `normals` returns the normals of a tile.
-    pub fn tile(&self, tile: u32, normals: impl Iterator<Item = DVec3>) -> Result<Vec<Option<Gaps>>> {
+    /// Returns the gaps of each receiver of a tile, `[row]`, from their unit normals; `None` for one
+    /// that does not face the zenith.
+    pub fn tile(&self, tile: u32, normals: &[[f64; 3]]) -> Result<Vec<Option<Gaps>>> {
+        let is_level = |normal: &[f64; 3]| normal[2] >= LEVEL;
+        if !normals.iter().any(is_level) {
+            return Ok(vec![None; normals.len()]);
+        }
         let Some((_, values)) = self.0.results([tile]).next().transpose()? else { return Ok(Vec::new()) };
-        let gaps = |(row, normal): (usize, DVec3)| {
+        let gaps = |(row, normal): (usize, &[f64; 3])| {
             let shares = values.row(Component::SunDirect, row);
             let share = |ring: usize| f64::from(shares.get(ring).copied().unwrap_or(0.0)) / OPEN_W_M2;
-            (normal.z >= LEVEL).then(|| Gaps::new(std::array::from_fn(share)))
+            is_level(normal).then(|| Gaps::new(std::array::from_fn(share)))
         };
-        Ok(normals.enumerate().map(gaps).collect())
+        Ok(normals.iter().enumerate().map(gaps).collect())
     }
 }

@@ -90,7 +90,7 @@ fn plant_all(outlines: &mut [Outlined], ground: &GroundBelow, mut houses: Vec<[D
         }
         if without_ground > 0 {
             geometry.doubts.push(message!(
-                "{} beyond the ground: the lowest height of the houses is taken for theirs",
+                "the ground ends before {}: the lowest height of the houses is their ground",
                 counted(without_ground, "tree")
             ));
         }

@@ -4,13 +4,15 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use glam::{DVec2, DVec3};
+use glam::DVec2;
+use heliotile_core::error::Result;
 use heliotile_core::site::material::{BROADLEAF_DIFFUSE, LEAF_AREA_DENSITY, Material, NEEDLE_DIFFUSE};
 use heliotile_core::site::scene_object::ObjectNote;
 use heliotile_core::site::semantics::FaceNote;
 
 use crate::footprints::stated::metres_of;
 use crate::geometry::Geometry;
+use crate::surface_rasters::SurfaceRasters;
 use crate::tree_point::{Crown, LeafKind, SIDES, TreePoint};
 use serde_json::{Map, Value};
 
@@ -18,12 +20,7 @@ use serde_json::{Map, Value};
 pub(crate) const TREES: &str = "trees";
 
 /// Adds the hull of a tree whose trunk stands on the ground at `ground_m`.
-pub(crate) fn plant(
-    file: &Path,
-    geometry: &mut Geometry,
-    tree: &TreePoint,
-    ground_m: f64,
-) -> heliotile_core::error::Result<()> {
+pub(crate) fn plant(file: &Path, geometry: &mut Geometry, tree: &TreePoint, ground_m: f64) -> Result<()> {
     let name = tree.leaves.material();
     let material = geometry.materials.id(name);
     if !geometry.stated.contains_key(name) {
@@ -42,27 +39,22 @@ pub(crate) fn plant(
     };
     geometry.object_notes.insert(object, note);
     let rings = tree.crown.rings(tree.leaves);
+    // `[ring][side]`: a ring that is one point repeats it, and the first corner ends each ring.
     let mut vertices: Vec<Vec<u32>> = Vec::with_capacity(rings.len());
     for (radius, height) in rings {
-        let count = if radius > 0.0 { SIDES } else { 1 };
-        let mut ring = Vec::with_capacity(count);
-        for side in 0..count {
+        let corner = |side: usize| {
             let (sin, cos) = (TAU * side as f64 / SIDES as f64).sin_cos();
-            let plan = tree.at + radius * DVec2::new(cos, sin);
-            ring.push(geometry.push_vertex(file, plan.extend(ground_m + height) + DVec3::ZERO)?);
-        }
-        vertices.push(ring);
+            (tree.at + radius * DVec2::new(cos, sin)).extend(ground_m + height)
+        };
+        let count = if radius > 0.0 { SIDES } else { 1 };
+        let of_ring = (0..count).map(|side| geometry.push_vertex(file, corner(side)));
+        let ring = of_ring.collect::<Result<Vec<u32>>>()?;
+        vertices.push(ring.iter().copied().cycle().take(SIDES + 1).collect());
     }
     for [low, high] in vertices.array_windows() {
-        // A ring that is one point repeats it.
-        let at = |ring: &[u32], side: usize| ring.iter().copied().cycle().nth(side);
-        for side in 0..SIDES {
-            let corners = [at(low, side), at(low, side + 1), at(high, side + 1), at(high, side)];
-            let [Some(a), Some(b), Some(c), Some(d)] = corners else { continue };
-            let corners = [a, b, c, d];
-            let halves = [[corners[0], corners[1], corners[2]], [corners[0], corners[2], corners[3]]];
-            for half in halves.into_iter().filter(|[a, b, c]| a != b && b != c && a != c) {
-                half.into_iter().for_each(|corner| geometry.push_corner(corner));
+        for ([a, b], [d, c]) in low.array_windows().zip(high.array_windows()) {
+            for half in [[a, b, c], [a, c, d]].into_iter().filter(|[a, b, c]| a != b && b != c && a != c) {
+                half.into_iter().for_each(|corner| geometry.push_corner(*corner));
                 geometry.end_face(material, object, tree.number);
                 geometry.note_face(FaceNote::default());
             }
@@ -73,9 +65,6 @@ pub(crate) fn plant(
 
 /// Width of a crown as a share of the height of its tree where none is stated: an assumption.
 const WIDTH_SHARE: f64 = 0.5;
-/// Share of a tree's height below its crown where no base is stated: SOLWEIG's trunk zone (Lindberg
-/// and Grimmond 2011).
-const TRUNK_SHARE: f64 = 0.25;
 /// Largest height and width of a tree, metres: the tallest redwoods have 116 m.
 const MAX_HEIGHT_M: f64 = 130.0;
 const MAX_WIDTH_M: f64 = 60.0;
@@ -151,7 +140,7 @@ pub(crate) struct StatedTree {
 
 /// Returns the tree that the attributes of a point state, or the reason why it is left out; `None`
 /// if the point is no tree.
-pub(crate) fn stated_tree(attributes: &Map<String, Value>) -> Option<Result<StatedTree, &'static str>> {
+pub(crate) fn stated_tree(attributes: &Map<String, Value>) -> Option<std::result::Result<StatedTree, &'static str>> {
     let get = |column: &str| {
         let alike = || attributes.iter().find(|(name, _)| name.eq_ignore_ascii_case(column)).map(|(_, value)| value);
         attributes.get(column).or_else(alike).filter(|value| !value.is_null())
@@ -173,7 +162,7 @@ pub(crate) fn stated_tree(attributes: &Map<String, Value>) -> Option<Result<Stat
     let width = length(&WIDTHS);
     let crown = Crown {
         top_m,
-        base_m: length(&BASES).unwrap_or(TRUNK_SHARE * top_m),
+        base_m: length(&BASES).unwrap_or(SurfaceRasters::TRUNK_SHARE * top_m),
         width_m: width.unwrap_or(WIDTH_SHARE * top_m),
     };
     if top_m > MAX_HEIGHT_M || crown.width_m > MAX_WIDTH_M {
@@ -189,10 +178,11 @@ pub(crate) fn stated_tree(attributes: &Map<String, Value>) -> Option<Result<Stat
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::DVec3;
     use serde_json::json;
     use std::f64::consts::PI;
 
-    fn stated(value: Value) -> Option<Result<StatedTree, &'static str>> {
+    fn stated(value: Value) -> Option<std::result::Result<StatedTree, &'static str>> {
         stated_tree(value.as_object().expect("an object"))
     }
 

@@ -10,7 +10,6 @@ use std::io::Write;
 use std::path::Path;
 
 use crate::sources;
-use glam::DVec3;
 use heliotile_core::archive::Archive;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::opened::OpenSite;
@@ -59,7 +58,7 @@ fn add_rows(table: &mut ViewFactorTable, archive: &Archive) -> Result<()> {
     let (sky, gaps) = (SkyComponents::new(&site)?, GapFractions::new(&site)?);
     for (tile, percent) in (0..site.tiles()).zip(sky.tiles(0..site.tiles())) {
         let (receivers, percent) = (site.tile_receivers(tile)?, percent?);
-        let gaps = gaps.tile(tile, receivers.normal.iter().map(|normal| DVec3::from(*normal)))?;
+        let gaps = gaps.tile(tile, &receivers.normal)?;
         let rows = receivers.ids.iter().zip(receivers.views()).zip(percent).zip(gaps);
         for (((id, views), vsc_percent), gaps) in rows {
             if table.is_closed() {

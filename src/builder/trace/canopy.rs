@@ -114,8 +114,7 @@ impl LeafHit {
 const VOLUME_LEVEL: i8 = 0;
 
 /// Number of levels by which cells of volumes are finer than those of surfaces as far away: the
-/// lower side of a crown is darker than the whole, and seen alone. In a wood light of leaves is 5 %
-/// too high at its floor, without this 13 %.
+/// lower side of a crown is darker than the whole, and at the floor of a wood it is seen alone.
 const VOLUME_FINER: i8 = 2;
 
 impl<'a> Canopies<'a> {
@@ -207,9 +206,10 @@ impl<'a> Canopies<'a> {
     fn code_before(&self, material: u16, amount: f64) -> Option<u16> {
         let code = self.code(material, amount);
         match self.volumes.stopped(material) {
-            Some(_) => Some((code + CODES_BEFORE / 2) / CODES_BEFORE * CODES_BEFORE)
-                .map(|code| code.min(COUNTS as u16 - 1))
-                .filter(|code| *code > 0),
+            Some(_) => {
+                let nearest = (code + CODES_BEFORE / 2).min(COUNTS as u16 - 1) / CODES_BEFORE * CODES_BEFORE;
+                Some(nearest).filter(|code| *code > 0)
+            }
             None => Some(code),
         }
     }
@@ -217,14 +217,18 @@ impl<'a> Canopies<'a> {
     /// Returns the materials that a ray crosses nearer than a distance, ascending, with the number
     /// of crossings or the length inside, metres.
     pub(crate) fn crossed_before(&self, passage: &Passage, distance_m: f64) -> Vec<(u16, f64)> {
-        let mut amounts: BTreeMap<u16, f64> = BTreeMap::new();
-        for hit in passage.leaves.iter().take_while(|hit| f64::from(hit.t) < distance_m) {
-            *amounts.entry(self.material(hit)).or_default() += 1.0;
+        let faces = passage.leaves.iter().take_while(|hit| f64::from(hit.t) < distance_m);
+        let parts = passage.parts.iter().filter(|part| part.from_m < distance_m);
+        let inside = parts.map(|part| (part.material, part.to_m.min(distance_m) - part.from_m));
+        let mut amounts: Vec<(u16, f64)> = Vec::new();
+        for (material, amount) in faces.map(|hit| (self.material(hit), 1.0)).chain(inside) {
+            match amounts.iter_mut().find(|known| known.0 == material) {
+                Some(known) => known.1 += amount,
+                None => amounts.push((material, amount)),
+            }
         }
-        for part in passage.parts.iter().filter(|part| part.from_m < distance_m) {
-            *amounts.entry(part.material).or_default() += part.to_m.min(distance_m) - part.from_m;
-        }
-        amounts.into_iter().collect()
+        amounts.sort_unstable_by_key(|(material, _)| *material);
+        amounts
     }
 
     /// Returns the leaves on the way of a ray that scatter light: the faces that it crosses, and a

@@ -107,8 +107,8 @@ fn around(texel: usize, side: usize) -> impl Iterator<Item = usize> {
 
 impl Viewpoint {
     /// Returns a ray through the middle of each of some texels of an n x n world-frame texture:
-    /// shares are interpolated between middles, and rays beside them would err by 0.2 % of the sun
-    /// in a slab. A ray that would go behind the surface goes along it.
+    /// shares are interpolated between middles. A ray that would go behind the surface goes along
+    /// it.
     fn sky_paths(&self, n: usize, texels: &[usize], tracer: &Tracer) -> Vec<Path> {
         let origin = self.origin(tracer);
         let path = |&texel: &usize| {

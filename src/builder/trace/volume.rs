@@ -79,7 +79,7 @@ impl Volumes {
         volumes
     }
 
-    /// Returns an error if a hull of a scene is open, so that nobody knows where its inside is.
+    /// Returns an error if a hull of a scene is open: it has no inside.
     pub fn check(scene: &Scene) -> Result<()> {
         let mesh = &scene.mesh;
         // `[edge]`: how often triangles run along it from its lower to its higher vertex, less the

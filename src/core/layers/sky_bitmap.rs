@@ -333,6 +333,18 @@ mod tests {
         }
     }
 
+    /// Returns a sky whose base texels are open, closed or a random mixture, a third each.
+    fn random_sky(base: usize, block: usize) -> SkyBitmap {
+        let fine = base * block;
+        let mut dense = BitSquare::new(fine);
+        for t in 0..fine * fine {
+            let kind = crate::hemisphere::mix(5, (t / fine / block * base + t % fine / block) as u64) % 3;
+            let one = kind == 1 || kind == 2 && crate::hemisphere::mix(7, t as u64).is_multiple_of(2);
+            dense.set(t % fine, t / fine, one);
+        }
+        SkyBitmap::new(&dense, base)
+    }
+
     /// For blocks of 1, 2, 8 and 16 fine texels a side, each fine texel of a random sky is in
     /// exactly one of the sky, and the parts of its inverse by the remainder of its base texel
     /// divided by 3.
@@ -340,13 +352,7 @@ mod tests {
     fn parts_of_the_inverse_hold_what_the_sky_does_not() {
         for block in [1, 2, 8, 16] {
             let (base, fine) = (33, 33 * block);
-            let mut dense = BitSquare::new(fine);
-            for t in 0..fine * fine {
-                let kind = crate::hemisphere::mix(5, (t / fine / block * base + t % fine / block) as u64) % 3;
-                let one = kind == 1 || kind == 2 && crate::hemisphere::mix(7, t as u64).is_multiple_of(2);
-                dense.set(t % fine, t / fine, one);
-            }
-            let sky = SkyBitmap::new(&dense, base);
+            let sky = random_sky(base, block);
             let parts = sky.inverse().split(|texel| texel % 3);
             assert_eq!(parts.len(), 3);
             for (column, row) in (0..fine * fine).map(|t| (t % fine, t / fine)) {
@@ -364,13 +370,7 @@ mod tests {
     fn a_square_hides_its_texels_of_the_sky() {
         for (block, square) in [(1, 8), (2, 64), (8, 64), (16, 16), (8, 256)] {
             let (base, fine) = (32, 32 * block);
-            let mut dense = BitSquare::new(fine);
-            for t in 0..fine * fine {
-                let kind = crate::hemisphere::mix(5, (t / fine / block * base + t % fine / block) as u64) % 3;
-                let one = kind == 1 || kind == 2 && crate::hemisphere::mix(7, t as u64).is_multiple_of(2);
-                dense.set(t % fine, t / fine, one);
-            }
-            let sky = SkyBitmap::new(&dense, base);
+            let sky = random_sky(base, block);
             let shown: Vec<bool> =
                 (0..square * square).map(|i| crate::hemisphere::mix(9, i as u64).is_multiple_of(3)).collect();
             let part = sky.within(&shown);
