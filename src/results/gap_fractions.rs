@@ -89,8 +89,8 @@ impl<'a> GapFractions<'a> {
         Replay::builder(site, &suns, settings).summed(&bins).build().map(GapFractions)
     }
 
-    /// Returns the gaps of each receiver of a tile, `[row]`, from their unit normals; a receiver that
-    /// does not face the zenith has none.
+    /// Returns the gaps of each receiver of a tile, `[row]`, from their unit normals; a receiver
+    /// that does not face the zenith has none.
     pub fn tile(&self, tile: u32, normals: &[[f64; 3]]) -> Result<Vec<Option<Gaps>>> {
         let is_level = |normal: &[f64; 3]| normal[2] >= LEVEL;
         if !normals.iter().any(is_level) {

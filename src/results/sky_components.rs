@@ -1,4 +1,4 @@
-//! Sky components: light of an overcast sky on receivers, relative to open ground. In: a site. Out:
+//! Sky components: direct light of a sky on receivers, relative to open ground. In: a site. Out:
 //! percent, tile by tile.
 
 use glam::DVec3;
@@ -10,24 +10,31 @@ use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::sky::model::{CieType, SkyModel};
 use heliotile_core::weather::conditions::Condition;
 
-/// Irradiance of the overcast sky on open ground, W/m2. Any value would do: results are shares of
+/// Irradiance of the sky on open ground, W/m2. Any value would do: results are shares of
 /// it.
-const OVERCAST_W_M2: f64 = 100.0;
+const OPEN_W_M2: f64 = 100.0;
 
-/// Direct light of the CIE traditional overcast sky, percent of that on open ground. On a vertical
-/// surface this is the vertical sky component (BRE 209).
+/// Direct light of a sky, percent of that on open ground.
 pub struct SkyComponents<'a>(Replay<'a>);
 
 impl<'a> SkyComponents<'a> {
-    /// Prepares the sky components of a site.
-    pub fn new(site: &OpenSite<'a>) -> Result<Self> {
-        let sky = [Condition::new("overcast".into(), &[], DVec3::Z, 0.0, OVERCAST_W_M2)];
-        let settings = ReplaySettings {
-            sky: SkyModel::Cie(CieType::TRADITIONAL_OVERCAST),
-            components: ComponentSet::new(&[Component::SkyDirect]),
-            ..ReplaySettings::default()
-        };
-        Replay::new(site, &sky, settings).map(SkyComponents)
+    /// Prepares the light of the CIE traditional overcast sky: on a vertical surface the vertical
+    /// sky component (BRE 209).
+    pub fn overcast(site: &OpenSite<'a>) -> Result<Self> {
+        SkyComponents::new(site, SkyModel::Cie(CieType::TRADITIONAL_OVERCAST))
+    }
+
+    /// Prepares the light of a uniform sky: the share of the hemisphere that is sky, as seen
+    /// through leaves.
+    pub fn uniform(site: &OpenSite<'a>) -> Result<Self> {
+        SkyComponents::new(site, SkyModel::Uniform)
+    }
+
+    fn new(site: &OpenSite<'a>, sky: SkyModel) -> Result<Self> {
+        let diffuse = [Condition::new("sky".into(), &[], DVec3::Z, 0.0, OPEN_W_M2)];
+        let settings =
+            ReplaySettings { sky, components: ComponentSet::new(&[Component::SkyDirect]), ..ReplaySettings::default() };
+        Replay::new(site, &diffuse, settings).map(SkyComponents)
     }
 
     /// Returns the percent of each receiver, `[row]`, of one tile after the other.
@@ -36,7 +43,7 @@ impl<'a> SkyComponents<'a> {
             let (ids, values) = result?;
             let percent = |row: usize| {
                 let light = values.row(Component::SkyDirect, row).iter().copied().map(f64::from).sum::<f64>();
-                100.0 * light / OVERCAST_W_M2
+                100.0 * light / OPEN_W_M2
             };
             Ok((0..ids.len()).map(percent).collect())
         })

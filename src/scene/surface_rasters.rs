@@ -23,8 +23,8 @@ pub struct SurfaceRasters {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[field(metavar = "FILE", input = Scene)]
     pub dem: Option<PathBuf>,
-    /// Raster of the heights of tree crowns above the ground (CDSM): crowns become canopies of the
-    /// group `trees` that let 3 % of the light through.
+    /// Raster of the heights of tree crowns above the ground (CDSM), on a grid as fine as it likes:
+    /// crowns become volumes of leaves of the group `trees`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[field(metavar = "FILE", input = Scene)]
     pub canopy: Option<PathBuf>,
@@ -46,7 +46,8 @@ pub struct SurfaceRasters {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[field(skip)]
     pub trunk_share: Option<f64>,
-    /// Leaf area density of crowns, m2/m3; `None`: [`LEAF_AREA_DENSITY`].
+    /// Leaf area density of crowns, m2/m3; `None`: [`LEAF_AREA_DENSITY`], or less in a forest
+    /// whose leaf area index would be above [`SurfaceRasters::LEAF_AREA_INDEX`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[field(skip)]
     pub leaf_area_density: Option<f64>,
@@ -59,6 +60,10 @@ impl SurfaceRasters {
     /// Default open share below crowns: the lowest quarter, SOLWEIG's trunk zone (Lindberg and
     /// Grimmond 2011).
     pub const TRUNK_SHARE: f64 = 0.25;
+    /// Largest mean leaf area index of a forest where nothing is stated, m2/m2: about that of
+    /// closed temperate forests, 5.1 of broadleaved and 5.5 of needleleaved trees (Asner, Scurlock
+    /// and Hicke 2003). Street trees are denser.
+    pub const LEAF_AREA_INDEX: f64 = 5.0;
 
     /// Returns a request for a raster of surface heights, with nothing else stated.
     pub fn new(dsm: impl Into<PathBuf>) -> Self {
@@ -96,11 +101,6 @@ impl SurfaceRasters {
     pub fn all(&self) -> impl Iterator<Item = &Path> {
         let given = [Some(&self.dsm), self.dem.as_ref(), self.canopy.as_ref(), self.landcover.as_ref()];
         given.into_iter().flatten().map(PathBuf::as_path).filter(|path| !path.as_os_str().is_empty())
-    }
-
-    /// Returns true if the surface is the ground itself: nothing stands on it but trees.
-    pub(crate) fn is_bare(&self) -> bool {
-        self.dem.as_ref() == Some(&self.dsm) && self.canopy.is_some()
     }
 
     /// Returns the paths of all rasters, `dsm` first.
@@ -152,8 +152,17 @@ impl SurfaceRasters {
         self.trunk_share.unwrap_or(SurfaceRasters::TRUNK_SHARE)
     }
 
-    pub(crate) fn density(&self) -> f64 {
-        self.leaf_area_density.unwrap_or(LEAF_AREA_DENSITY)
+    /// Returns true if the surface is the ground itself: nothing stands on it but trees.
+    pub(crate) fn is_bare(&self) -> bool {
+        self.dem.as_ref() == Some(&self.dsm) && self.canopy.is_some()
+    }
+
+    /// Returns the leaf area density of crowns whose mean height above the ground is `height_m`,
+    /// m2/m3: that of a forest in steps of 0.01.
+    pub(crate) fn density(&self, height_m: f64) -> f64 {
+        let of_forest = SurfaceRasters::LEAF_AREA_INDEX / (height_m * (1.0 - self.trunk()));
+        let in_steps = (of_forest.min(LEAF_AREA_DENSITY) * 100.0).round().max(1.0) / 100.0;
+        self.leaf_area_density.unwrap_or(if self.is_bare() { in_steps } else { LEAF_AREA_DENSITY })
     }
 }
 
@@ -166,15 +175,18 @@ const STEEPEST_ROOF: f64 = 2.0;
 mod tests {
     use super::*;
 
-    /// Ground with crowns is a surface of its own, whose file counts once; ground, crowns or land
-    /// cover alone are refused for want of a surface.
+    /// Ground with crowns is a forest, whose file counts once and whose leaves are less dense where
+    /// it is high; ground, crowns or land cover alone are refused for want of a surface.
     #[test]
     fn ground_with_crowns_needs_no_surface() {
         let [a, b, c] = ["a.tif", "b.tif", "c.tif"].map(|name| Some(PathBuf::from(name)));
         let forest = SurfaceRasters::of_files(None, a.clone(), b.clone(), c.clone()).expect("a request");
         assert!(forest.is_bare() && forest.check().is_ok());
+        // A forest of 20 m has a leaf area index of 5, one of 4 m a density of 1, as in a city.
+        assert_eq!([20.0, 4.0, 0.0].map(|height| forest.density(height)), [0.33, 1.0, 1.0]);
         assert_eq!(forest.files().collect::<Vec<_>>(), ["a.tif", "b.tif", "c.tif"].map(Path::new));
-        assert!(!SurfaceRasters::of_files(a.clone(), b.clone(), c.clone(), None).expect("a request").is_bare());
+        let city = SurfaceRasters::of_files(a.clone(), b.clone(), c.clone(), None).expect("a request");
+        assert!(!city.is_bare() && city.density(20.0) == 1.0);
         for [dem, canopy, landcover] in [[a, None, None], [None, b, None], [None, None, c]] {
             let found = SurfaceRasters::of_files(None, dem, canopy, landcover).expect("a request");
             assert_eq!(found.check().expect_err("no surface").0, "dsm");

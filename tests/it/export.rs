@@ -424,22 +424,22 @@ fn view_factors_sum_to_one() {
     let mut lines = table.lines();
     let header = lines.next().expect("a header");
     assert!(header.starts_with(
-        "receiver,sky_view,ground_view,obstruction_view,nothing_view,vsc_percent,no_sky,gap_7_deg_percent"
+        "receiver,sky_view,leaves_view,ground_view,obstruction_view,nothing_view,vsc_percent,no_sky,gap_7_deg_percent"
     ));
     assert!(header.ends_with(",gap_68_deg_percent,leaf_area_index"), "{header}");
     let mut ids = Vec::new();
     for line in lines {
         let (id, rest) = line.split_once(',').expect("columns");
         let cells: Vec<&str> = rest.split(',').collect();
-        let views: Vec<f64> = cells[..6].iter().map(|v| v.parse().expect("a number")).collect();
+        let views: Vec<f64> = cells[..7].iter().map(|v| v.parse().expect("a number")).collect();
         // A roof in the open has gaps alone and no leaves; a wall does not face the zenith.
         assert!(
-            id != "roof" || cells[6..] == ["100.000", "100.000", "100.000", "100.000", "100.000", "0.000"],
+            id != "roof" || cells[7..] == ["100.000", "100.000", "100.000", "100.000", "100.000", "0.000"],
             "{line}"
         );
-        assert!(id != "south" || cells[6..].iter().all(|cell| cell.is_empty()), "{line}");
-        assert!(cells.len() == 12 && (views[..4].iter().sum::<f64>() - 1.0).abs() < 1e-6 && views[5] == 0.0, "{line}");
-        assert!(id != "roof" || (views[0] - 1.0).abs() < 1e-3 && (views[4] - 100.0).abs() < 0.1, "{line}");
+        assert!(id != "south" || cells[7..].iter().all(|cell| cell.is_empty()), "{line}");
+        assert!(cells.len() == 13 && (views[..5].iter().sum::<f64>() - 1.0).abs() < 1e-6 && views[6] == 0.0, "{line}");
+        assert!(id != "roof" || (views[0] - 1.0).abs() < 1e-3 && (views[5] - 100.0).abs() < 0.1, "{line}");
         ids.push(id.to_string());
     }
     ids.sort_unstable();

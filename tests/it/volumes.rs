@@ -16,7 +16,7 @@ use heliotile_core::site::material::{BROADLEAF_DIFFUSE, Class, Material, left_af
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::conditions::Condition;
-use heliotile_results::GapFractions;
+use heliotile_results::{GapFractions, SkyComponents};
 use heliotile_scene::Scene;
 
 use crate::canopy::columns;
@@ -105,7 +105,10 @@ fn light_is_dimmed_by_the_length_of_its_way() {
     }
     // Rings of zenith angles, and the leaf area index of the slab: 3 m2/m2.
     let archive = Archive::open(&built.path).expect("an archive");
-    let gaps = GapFractions::new(&OpenSite::open(&archive).expect("a site")).expect("gaps");
+    let slab_site = OpenSite::open(&archive).expect("a site");
+    let seen = SkyComponents::uniform(&slab_site).expect("a sky").tiles([0]).next().expect("a tile").expect("percent");
+    check("view of the sky", seen[0] / 100.0, 2.0 * e3(1.5), 1.0);
+    let gaps = GapFractions::new(&slab_site).expect("gaps");
     let gaps = gaps.tile(0, &[[0.0, 0.0, 1.0]]).expect("a tile")[0].expect("a level receiver");
     for ((middle, width), share) in
         [(7.0, 12.2), (23.0, 12.2), (38.0, 11.8), (53.0, 13.2), (68.0, 13.2)].into_iter().zip(gaps.shares)

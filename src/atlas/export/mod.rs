@@ -16,7 +16,7 @@ use heliotile_core::opened::OpenSite;
 use heliotile_files::writing::guards::guard_output;
 use heliotile_results::outputs::sink::Sink;
 use heliotile_results::outputs::tables::format::files_of;
-use heliotile_results::outputs::view_factors::ViewFactorTable;
+use heliotile_results::outputs::view_factors::{ViewFactorTable, ViewFactors};
 use heliotile_results::{GapFractions, Provenance, Resources, SkyComponents};
 use layers::{Image, layers_of};
 
@@ -55,16 +55,20 @@ impl ExportRequest {
 /// Adds the receivers of an archive to the table; stops if the reader of the table has closed it.
 fn add_rows(table: &mut ViewFactorTable, archive: &Archive) -> Result<()> {
     let site = OpenSite::open(archive)?;
-    let (sky, gaps) = (SkyComponents::new(&site)?, GapFractions::new(&site)?);
-    for (tile, percent) in (0..site.tiles()).zip(sky.tiles(0..site.tiles())) {
+    let (overcast, gaps) = (SkyComponents::overcast(&site)?, GapFractions::new(&site)?);
+    let has_leaves = site.materials().iter().any(|material| material.transmittance.is_some());
+    let uniform = has_leaves.then(|| SkyComponents::uniform(&site)).transpose()?;
+    for (tile, percent) in (0..site.tiles()).zip(overcast.tiles(0..site.tiles())) {
         let (receivers, percent) = (site.tile_receivers(tile)?, percent?);
+        let seen = uniform.as_ref().and_then(|uniform| uniform.tiles([tile]).next()).transpose()?;
         let gaps = gaps.tile(tile, &receivers.normal)?;
-        let rows = receivers.ids.iter().zip(receivers.views()).zip(percent).zip(gaps);
-        for (((id, views), vsc_percent), gaps) in rows {
+        let rows = receivers.ids.iter().zip(receivers.views()).zip(percent).zip(gaps).enumerate();
+        for (row, (((id, views), vsc_percent), gaps)) in rows {
             if table.is_closed() {
                 return Ok(());
             }
-            table.row(id, views, vsc_percent, gaps)?;
+            let through_leaves = seen.as_ref().and_then(|seen| seen.get(row)).map(|percent| 0.01 * percent);
+            table.row(id, &ViewFactors { views, through_leaves, vsc_percent, gaps })?;
         }
     }
     Ok(())

@@ -127,7 +127,8 @@ class Askable(ABC):
 
         Read-only arrays of shape `(receivers,)`: `receiver` (id), `x, y, z` in metres, the unit
         normal `nx, ny, nz`, `area_m2` (NaN if unknown), `surface, object, building, kind` (empty
-        if unknown), and the shares of the hemisphere `sky_view, ground_view, obstruction_view`.
+        if unknown), and the shares of the hemisphere `sky_view` (leaves count as sky),
+        `ground_view, obstruction_view`.
         """
         wanted = wanted_args(receivers)
         return self._table(self._open(wanted), wanted, memory)

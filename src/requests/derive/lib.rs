@@ -23,6 +23,7 @@ const UNITS: [&str; 7] = ["_w_m2_sr", "_w_m2", "_percent", "_deg", "_m2", "_m", 
 /// | key | meaning |
 /// | --- | --- |
 /// | `flatten`, `heading = ".."`, `without(..)` | the field is a request itself; heading of its options; fields that are left out |
+/// | `ungrouped` | the groups of that request do not count |
 /// | `defaults("name", "text", ..)`, `needs(..)` | other defaults of its fields; fields, one of which must be filled with any of its own |
 /// | `skip` | no face fills the field |
 /// | `name = ".."` | name in faces; default: that of the field without its unit |
@@ -82,7 +83,9 @@ fn expand(input: &DeriveInput) -> Result<Tokens> {
                     heading: #heading, without: &[#(#without),*], defaults: &[#(#defaults),*], needs: &[#(#needs),*],
                 }));
             });
-            groups.push(quote!(groups.extend(::heliotile_requests::groups_under::<#ty>(&[#(#without),*]));));
+            if !of.ungrouped {
+                groups.push(quote!(groups.extend(::heliotile_requests::groups_under::<#ty>(&[#(#without),*]));));
+            }
             let known = (!without.is_empty()).then(|| quote!(![#(#without),*].contains(&name) &&)).into_iter();
             fill.push(quote! {
                 if #(#known)* ::heliotile_requests::Request::fill(&mut self.#ident, name, texts)? { return Ok(true) }
@@ -258,6 +261,7 @@ fn names(meta: &ParseNestedMeta) -> Result<Vec<LitStr>> {
 #[derive(Default)]
 struct FieldAttribute {
     flatten: bool,
+    ungrouped: bool,
     skip: bool,
     without: Vec<LitStr>,
     defaults: Vec<LitStr>,
@@ -298,6 +302,7 @@ impl FieldAttribute {
         let key = meta.path.require_ident()?.to_string();
         match key.as_str() {
             "flatten" => self.flatten = true,
+            "ungrouped" => self.ungrouped = true,
             "skip" => self.skip = true,
             "positional" => self.positional = true,
             "neutral" => self.neutral = true,

@@ -1,7 +1,6 @@
 //! View factors of receivers as a table: the shares of each hemisphere by what is seen, the
 //! vertical sky component, and gaps among leaves. In: the shares that the build stored, sky
-//! components, gap fractions. Out: a table of
-//! any format.
+//! components, gap fractions. Out: a table of any format.
 
 use std::path::Path;
 
@@ -13,7 +12,7 @@ use crate::outputs::tables::table::Cell;
 use heliotile_core::error::Result;
 
 /// Columns of shares, which sum to 1.
-const SHARES: [&str; 4] = ["sky_view", "ground_view", "obstruction_view", "nothing_view"];
+const SHARES: [&str; 5] = ["sky_view", "leaves_view", "ground_view", "obstruction_view", "nothing_view"];
 
 /// Columns of the direct light of the CIE traditional overcast sky, percent of that on open ground,
 /// and of the flag that no sky is seen.
@@ -31,6 +30,23 @@ const PERCENT_DECIMALS: usize = 3;
 /// Decimals of the shares in CSV.
 const DECIMALS: usize = 7;
 
+/// Largest difference between a view of the sky that was counted and one that was replayed which is
+/// rounding, and not leaves.
+const ROUNDING: f64 = 1e-5;
+
+/// View factors of a receiver.
+pub struct ViewFactors {
+    /// Cosine-weighted shares of sky, ground and obstructions, where leaves are no obstructions;
+    /// the remaining share meets nothing, below the horizon beyond the edge of the scene.
+    pub views: [f32; 3],
+    /// Share of the sky as it is seen through leaves; `None` without leaves.
+    pub through_leaves: Option<f64>,
+    /// Direct light of the CIE traditional overcast sky, percent of that on open ground.
+    pub vsc_percent: f64,
+    /// Gaps among leaves; `None` for a receiver that does not face the zenith.
+    pub gaps: Option<Gaps>,
+}
+
 /// Table of view factors being written.
 pub struct ViewFactorTable {
     table: Table,
@@ -47,18 +63,18 @@ impl ViewFactorTable {
         Ok(ViewFactorTable { table: Table::of_rows(path, columns, count, Some(about))? })
     }
 
-    /// Appends a row. `views` are the cosine-weighted shares of sky, ground and obstructions; the
-    /// remaining share meets nothing, below the horizon beyond the edge of the scene. `vsc_percent`
-    /// is the direct light of the CIE traditional overcast sky, percent of that on open ground.
-    /// Cells of gaps are empty where a receiver does not face the zenith.
-    pub fn row(&mut self, receiver: &str, views: [f32; 3], vsc_percent: f64, gaps: Option<Gaps>) -> Result<()> {
+    /// Appends a row. Cells of gaps are empty where a receiver does not face the zenith.
+    pub fn row(&mut self, receiver: &str, of: &ViewFactors) -> Result<()> {
+        let &ViewFactors { views, through_leaves, vsc_percent, gaps } = of;
         let [sky, ground, obstruction] = views.map(f64::from);
         let nothing = (1.0 - sky - ground - obstruction).max(0.0);
-        let shares = [sky, ground, obstruction, nothing].map(Cell::from);
+        let hidden = through_leaves.map(|seen| sky - seen).filter(|hidden| *hidden > ROUNDING);
+        let leaves = hidden.unwrap_or(0.0).min(sky);
+        let shares = [sky - leaves, leaves, ground, obstruction, nothing].map(Cell::from);
         let no_sky = Cell::Count(u64::from(views[0] == 0.0));
         let of_ring = |ring: usize| Cell::Number(gaps.map(|gaps| 100.0 * gaps.shares[ring]));
-        let leaves = Cell::Number(gaps.and_then(|gaps| gaps.leaf_area_index));
-        let gaps = (0..RINGS).map(of_ring).chain([leaves]);
+        let index = Cell::Number(gaps.and_then(|gaps| gaps.leaf_area_index));
+        let gaps = (0..RINGS).map(of_ring).chain([index]);
         self.table.row(std::iter::once(receiver.into()).chain(shares).chain([vsc_percent.into(), no_sky]).chain(gaps))
     }
 

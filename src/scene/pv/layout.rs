@@ -46,6 +46,15 @@ impl Outline {
         Outline { edges: corners.iter().zip(next).map(|(a, b)| [*a, *b]).collect() }
     }
 
+    /// Returns the outline of a number of rows and of modules in each around a place in plan.
+    pub fn of_rows(rows: &RowsOfModules, [count, modules]: [u32; 2], middle: DVec2, north: North) -> Self {
+        let Facing { faces, along } = Facing::new(rows, north);
+        let steps = |count: u32, step: f64, last: f64| f64::from(count - 1) * step + last + 2.0 * rows.setback_m;
+        let right = along * 0.5 * steps(modules, rows.width_m + rows.gap_m, rows.width_m);
+        let back = faces * 0.5 * steps(count, rows.pitch_m, rows.depth_m());
+        Outline::of_polygon(&[right + back, back - right, -right - back, right - back].map(|corner| middle + corner))
+    }
+
     /// Returns the outline of a surface: the edges that only one of its triangles has.
     pub fn of_surface(surface: &Surface) -> Self {
         let bits = |p: DVec3| p.to_array().map(f64::to_bits);
@@ -137,12 +146,25 @@ pub(super) struct RowAxes {
     pub sides: [f64; 2],
 }
 
-impl RowAxes {
-    /// Returns the axes of rows in the scene's axes. Modules that lie flat face their azimuth, too.
-    pub fn new(rows: &RowsOfModules, north: North, outline: &Outline) -> Self {
+/// Directions of rows in plan, unit length.
+struct Facing {
+    faces: DVec2,
+    along: DVec2,
+}
+
+impl Facing {
+    /// Returns the directions in the scene's axes. Modules that lie flat face their azimuth, too.
+    fn new(rows: &RowsOfModules, north: North) -> Self {
         let upright = Orientation { tilt_deg: 90.0, ..rows.turn };
         let faces = north.to_axes(upright.normal()).truncate().normalize_or(DVec2::NEG_Y);
-        let along = DVec2::new(-faces.y, faces.x);
+        Facing { faces, along: DVec2::new(-faces.y, faces.x) }
+    }
+}
+
+impl RowAxes {
+    /// Returns the axes of rows in the scene's axes.
+    pub fn new(rows: &RowsOfModules, north: North, outline: &Outline) -> Self {
+        let Facing { faces, along } = Facing::new(rows, north);
         RowAxes { faces, along, behind: outline.extent(-faces), sides: outline.extent(along) }
     }
 
@@ -175,7 +197,7 @@ pub fn lay(rows: &RowsOfModules, north: North, outline: &Outline, below: impl Fn
     let RowAxes { faces, along, behind: [_, last], sides: [left, right] } = axes;
     let normal = north.to_axes(rows.turn.normal());
     let up = (-faces * normal.z).extend(normal.truncate().length());
-    let depth = rows.height_m * normal.z.max(0.0);
+    let depth = rows.depth_m();
     let mut laid = Laid::default();
     for row in 0_u32.. {
         let back = axes.first_edge(rows) + f64::from(row) * rows.pitch_m;

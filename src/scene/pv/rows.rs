@@ -15,7 +15,10 @@ use heliotile_core::orientation::fan::Orientation;
 use heliotile_core::site::receiver::MAX_NAME_BYTES;
 use heliotile_files::input;
 
-const KEYS: &str = "each [[rows]] has a name, an area = [[x, y], ...] or a surface = \"NAME\", tilt, azimuth, pitch, width, height, and \
+/// Largest number of modules: more are a mix-up of metres and millimetres.
+pub const MAX_MODULES: u64 = 1_000_000;
+
+const KEYS: &str = "each [[rows]] has a name, an area = [[x, y], ...], a surface = \"NAME\", or rows = 5 and modules = 10 (with at = [x, y], their middle), tilt, azimuth, pitch, width, height, and \
                     maybe clearance, setback, gap, thickness, front, rear, samples, ground, kwp, string";
 
 /// Rows of modules of one kind.
@@ -52,13 +55,29 @@ pub struct RowsOfModules {
     pub rating: Rating,
 }
 
-/// Area or surface that rows are put on.
+impl RowsOfModules {
+    /// Returns the depth of a module in plan, metres.
+    pub(super) fn depth_m(&self) -> f64 {
+        self.height_m * self.turn.normal().z.max(0.0)
+    }
+}
+
+/// Ground that rows are put on.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RowsGround {
     /// Corners in plan, input coordinates, metres; heights are those of the roof or ground below.
     Area(Vec<DVec2>),
     /// Name of a surface of the scene, as `heliotile receivers` gives it.
     Surface(String),
+    /// Rows of equal length around a place.
+    Counted {
+        /// Number of rows.
+        rows: u32,
+        /// Number of modules of a row.
+        modules: u32,
+        /// Middle of all in plan, input coordinates, metres.
+        middle: DVec2,
+    },
 }
 
 #[derive(Deserialize)]
@@ -73,6 +92,9 @@ struct Entry {
     name: String,
     area: Option<Vec<[f64; 2]>>,
     surface: Option<String>,
+    rows: Option<u32>,
+    modules: Option<u32>,
+    at: Option<[f64; 2]>,
     tilt: f64,
     azimuth: f64,
     pitch: f64,
@@ -158,18 +180,33 @@ fn checked(entry: Entry) -> std::result::Result<RowsOfModules, String> {
     if entry.string.len() > MAX_NAME_BYTES || entry.string.chars().any(char::is_control) {
         return Err("`string` is longer than a name may be, or holds a line end".into());
     }
-    let ground = match (entry.area, entry.surface) {
-        (Some(corners), None) => {
+    let is_place = |p: &DVec2| p.is_finite() && p.abs().max_element() <= MAX_COORDINATE_M;
+    let ground = match (entry.area, entry.surface, entry.rows, entry.modules) {
+        (Some(corners), None, None, None) => {
             let all: Vec<DVec2> = corners.into_iter().map(DVec2::from).collect();
-            if all.len() < 3 || all.iter().any(|p| !p.is_finite() || p.abs().max_element() > MAX_COORDINATE_M) {
+            if all.len() < 3 || !all.iter().all(is_place) {
                 return Err("`area` needs three corners or more, [x, y] in metres".into());
             }
             RowsGround::Area(all)
         }
-        (None, Some(surface)) => RowsGround::Surface(surface),
-        (Some(_), Some(_)) => return Err("both an `area` and a `surface` are stated; give one of them".into()),
-        (None, None) => return Err("neither an `area` nor a `surface` is stated".into()),
+        (None, Some(surface), None, None) => RowsGround::Surface(surface),
+        (None, None, Some(rows), Some(modules)) => {
+            let middle = DVec2::from(entry.at.unwrap_or_default());
+            if u64::from(rows) * u64::from(modules) > MAX_MODULES || rows == 0 || modules == 0 {
+                return Err(format!("`rows` x `modules` is {rows} x {modules}, not from 1 to {MAX_MODULES} modules"));
+            }
+            if !is_place(&middle) {
+                return Err("`at` needs [x, y] in metres".into());
+            }
+            RowsGround::Counted { rows, modules, middle }
+        }
+        (None, None, None, None) => return Err("no `area`, `surface`, or `rows` and `modules` are stated".into()),
+        (None, None, ..) => return Err("`rows` and `modules` belong together; one is missing".into()),
+        _ => return Err("more than one of `area`, `surface`, and `rows` with `modules` is stated; give one".into()),
     };
+    if entry.at.is_some() && !matches!(ground, RowsGround::Counted { .. }) {
+        return Err("`at` goes with `rows` and `modules` alone".into());
+    }
     let tilt_deg = within("tilt", entry.tilt, [0.0, 90.0])?;
     let azimuth_deg = within("azimuth", entry.azimuth, [-360.0, 360.0])?.rem_euclid(360.0);
     let [width_m, height_m] =
@@ -215,6 +252,7 @@ mod tests {
         read_rows(&folder.write("rows.toml", text))
     }
 
+    const AREA: &str = "area = [[0, 0], [9, 0], [9, 9]]\n";
     const GOOD: &str = "[[rows]]\nname = \"a\"\narea = [[0, 0], [9, 0], [9, 9]]\ntilt = 60\nazimuth = -90\npitch = 3\nwidth = 1\nheight = 2\n";
 
     /// Rows with only the required fields have the defaults: 4 samples, 0.05, 3 cm; an azimuth of
@@ -232,7 +270,7 @@ mod tests {
         assert_eq!(with_ground.ground_step_m, Some(0.5));
     }
 
-    /// Fourteen wrong files are refused by name, with what is wrong.
+    /// Twenty wrong files are refused by name, with what is wrong.
     #[test]
     fn wrong_rows_are_refused_by_name() {
         for (from, to, expected) in [
@@ -243,7 +281,13 @@ mod tests {
             ("width = 1", "width = nan", "`width` is NaN"),
             ("width = 1", "width = 1\nfront = 2", "`front` is 2"),
             ("width = 1", "widht = 1", "line 7"),
-            ("area", "surface = \"x\"\narea", "both an `area` and a `surface`"),
+            ("area", "surface = \"x\"\narea", "more than one of `area`"),
+            ("area", "rows = 2\nmodules = 3\narea", "more than one of `area`"),
+            ("area", "at = [1, 2]\narea", "`at` goes with"),
+            (AREA, "rows = 2\n", "one is missing"),
+            (AREA, "rows = 2\nmodules = 0\n", "2 x 0, not from 1"),
+            (AREA, "rows = 2000\nmodules = 2000\n", "not from 1 to 1000000 modules"),
+            (AREA, "", "no `area`, `surface`, or"),
             ("width = 1", "width = 1\nsamples = 0", "`samples` is 0"),
             ("width = 1", "width = 1\nground = 0", "`ground` is 0, not from 0.01 to 1000"),
             ("width = 1", "width = 1\nground = -1", "`ground` is -1"),

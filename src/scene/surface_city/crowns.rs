@@ -3,13 +3,14 @@
 
 use std::collections::HashMap;
 
-use crate::surface_city::floor::{Floor, Moved, around, cell_of, surface_of};
+use crate::surface_city::floor::{Moved, around, cell_of, surface_of};
 use crate::surface_city::lattice::{Lattice, STEPS, Spot, beside};
 use crate::surface_city::layers::Layers;
 use crate::surface_city::outlines::GROUND;
 use crate::surface_city::standing::MIN_CROWN_M;
 use crate::surface_city::writer::{Corner, FaceOf, Writer};
 use crate::surface_rasters::SurfaceRasters;
+use crate::terrain::raster::Raster;
 use crate::trees::TREES;
 use heliotile_core::error::Result;
 use heliotile_core::site::material::{BROADLEAF_DIFFUSE, Material};
@@ -31,14 +32,17 @@ struct Crowns {
     heights: Lattice<f32>,
 }
 
-/// Writes crowns and returns the number of pieces.
+/// Writes crowns and returns the number of pieces. `pieces` holds the number of each cell's piece,
+/// `ground` the height of each corner; `mean_m` is the mean height of all crowns of the raster,
+/// metres.
 pub(super) fn write(
     writer: &mut Writer,
     layers: &Layers,
     pieces: &Lattice<u32>,
-    floor: &Floor,
+    ground: &Lattice<f32>,
     moved: &Moved,
     options: &SurfaceRasters,
+    mean_m: f64,
 ) -> Result<usize> {
     let Some(crown) = &layers.crown else { return Ok(0) };
     let belongs = |cell: Spot| crown.at(cell) >= MIN_CROWN_M && pieces.at(cell) == GROUND;
@@ -48,7 +52,7 @@ pub(super) fn write(
     }
     let crowns = Crowns { heights: heights(crown, &piece), piece, list };
     let material = writer.material(NAME);
-    let canopy = Material::of_leaves(NAME, options.density(), BROADLEAF_DIFFUSE);
+    let canopy = Material::of_leaves(NAME, options.density(mean_m), BROADLEAF_DIFFUSE);
     let canopy = Material { group: Some(TREES.to_owned()), ..canopy };
     writer.geometry.stated.insert(NAME.to_owned(), canopy);
     if options.leaf_area_density.is_none() {
@@ -67,10 +71,10 @@ pub(super) fn write(
     }
     let trunk = options.trunk();
     let place = |corner: Spot| moved.get(&corner).copied().unwrap_or_else(|| layers.corner(corner));
-    let ground = |corner: Spot| f64::from(floor.heights.at(corner));
+    let foot = |corner: Spot| f64::from(ground.at(corner));
     let at = |corner: Spot, share: f64| Corner {
         place: place(corner),
-        height: ground(corner) + share * f64::from(crowns.heights.at(corner)),
+        height: foot(corner) + share * f64::from(crowns.heights.at(corner)),
     };
     let of = |cell: Spot| FaceOf {
         material,
@@ -89,7 +93,7 @@ pub(super) fn write(
         }
     };
     let mut faces: Vec<(Spot, Vec<(Spot, bool)>)> = Vec::new();
-    for triangle in crowns.surface(layers, floor) {
+    for triangle in crowns.surface(layers, ground) {
         let cell = cell_of(&triangle);
         if belongs(cell) {
             let [a, b, c] = triangle;
@@ -129,6 +133,14 @@ pub(super) fn write(
     Ok(crowns.list.len())
 }
 
+/// Returns the mean height of all crowns of a raster, metres; 0 if there are none. Parts of a
+/// region are cut from one raster, so that their crowns are equally dense.
+pub(super) fn mean_height(raster: &Raster) -> f64 {
+    let crowns = raster.heights.iter().filter(|height| **height >= MIN_CROWN_M);
+    let (sum, count) = crowns.fold((0.0, 0.0), |(sum, count), height| (sum + f64::from(*height), count + 1.0));
+    sum / f64::max(count, 1.0)
+}
+
 /// Returns the mean height of crowns at each corner.
 fn heights(crown: &Lattice<f32>, piece: &Lattice<u32>) -> Lattice<f32> {
     let mut heights = Lattice::filled(crown.columns + 1, crown.rows + 1, f32::NAN);
@@ -142,11 +154,11 @@ fn heights(crown: &Lattice<f32>, piece: &Lattice<u32>) -> Lattice<f32> {
 
 impl Crowns {
     /// Returns the triangles of the tops.
-    fn surface(&self, layers: &Layers, floor: &Floor) -> Vec<[Spot; 3]> {
+    fn surface(&self, layers: &Layers, ground: &Lattice<f32>) -> Vec<[Spot; 3]> {
         let mut allowed = self.heights.like(-1.0_f32);
         let mut tops = self.heights.clone();
         for corner in self.heights.spots() {
-            tops.set(corner, self.heights.at(corner) + floor.heights.at(corner));
+            tops.set(corner, self.heights.at(corner) + ground.at(corner));
             if around(corner).into_iter().all(|cell| self.piece.at(cell) != u32::MAX) {
                 allowed.set(corner, OFF_M);
             }

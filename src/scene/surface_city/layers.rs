@@ -63,14 +63,7 @@ impl Layers {
             }
             Some(values)
         };
-        let crown = sampled(&with.canopy, nearest).map(|mut heights| {
-            for spot in cells.spots() {
-                let height = heights.at(spot);
-                // A height that is negative or NaN is no crown.
-                heights.set(spot, if height > 0.0 { height } else { 0.0 });
-            }
-            heights
-        });
+        let crown = sampled(&with.canopy, nearest).map(|heights| crowns_of(&cells, |spot| heights.at(spot)));
         let class = sampled(&with.landcover, nearest).map(|codes| {
             let mut class = cells.like(NO_CLASS);
             for spot in cells.spots() {
@@ -107,17 +100,19 @@ impl Layers {
     }
 }
 
-/// Returns the heights of a raster interpolated on another grid.
-pub(super) fn resampled(raster: Raster, grid: Grid) -> Raster {
-    let mut onto = Raster::plain(grid, Vec::new());
-    (onto.reference, onto.plane_unit_m) = (raster.reference, raster.plane_unit_m);
-    let spots = (0..grid.rows as i64).flat_map(|row| (0..grid.columns as i64).map(move |column| (column, row)));
-    onto.heights = spots.map(|(column, row)| between(&raster, onto.plan(column, row))).collect();
-    onto
+/// Returns the heights of crowns above the ground on a grid of cells: 0 for a height that is
+/// negative or NaN.
+pub(super) fn crowns_of(cells: &Lattice<f32>, height: impl Fn(Spot) -> f32) -> Lattice<f32> {
+    let mut crowns = cells.like(0.0);
+    for spot in cells.spots() {
+        // `max` skips NaN.
+        crowns.set(spot, height(spot).max(0.0));
+    }
+    crowns
 }
 
-/// Checks that a surface is not too large to become a city at once.
-fn check_size(file: &Path, grid: &Grid) -> Result<()> {
+/// Checks that a raster is not too large to become a city at once.
+pub(super) fn check_size(file: &Path, grid: &Grid) -> Result<()> {
     let cells = grid.columns as u64 * grid.rows as u64;
     if cells <= MAX_CELLS {
         return Ok(());

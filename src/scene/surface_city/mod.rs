@@ -22,6 +22,7 @@
 
 mod buildings;
 mod crowns;
+mod finer;
 mod floor;
 mod landcover;
 mod lattice;
@@ -117,7 +118,19 @@ pub(crate) fn city(dsm: &Layer, with: &Companions, options: &SurfaceRasters) -> 
     };
     let cut = buildings.write(&mut writer, &names)?;
     floor.write(&mut writer, &layers, &drawn.moved)?;
-    let crowns = crowns::write(&mut writer, &layers, &pieces, &floor, &drawn.moved, options)?;
+    let finer = with.canopy.as_ref().filter(|canopy| finer::is_finer(canopy, &layers.grid));
+    let finer = match finer {
+        Some(canopy) => finer::Site::new(canopy, &layers, &pieces, &floor.heights, &drawn.moved)?,
+        None => None,
+    };
+    let mean_m = with.canopy.as_ref().map_or(0.0, |canopy| crowns::mean_height(&canopy.raster));
+    let crowns = match &finer {
+        Some(own) => {
+            writer.origin = own.layers.grid.first;
+            crowns::write(&mut writer, &own.layers, &own.pieces, &own.ground, &own.moved, options, mean_m)?
+        }
+        None => crowns::write(&mut writer, &layers, &pieces, &floor.heights, &drawn.moved, options, mean_m)?,
+    };
     let plain = if with.dem.is_some() {
         ""
     } else {

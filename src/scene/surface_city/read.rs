@@ -11,7 +11,8 @@ use crate::geometry::Geometry;
 use crate::placing::frame::SiteFrame;
 use crate::region_part::RegionPart;
 use crate::site::Part;
-use crate::surface_city::layers::{Companions, Layer, MAX_CELLS, check_place, resampled};
+use crate::surface_city::finer::is_finer;
+use crate::surface_city::layers::{Companions, Layer, MAX_CELLS, check_place};
 use crate::surface_city::{City, city};
 use crate::surface_rasters::SurfaceRasters;
 use crate::terrain::raster::{Grid, Raster};
@@ -60,7 +61,7 @@ pub(crate) fn read_surface(
 ) -> Result<SurfaceRead> {
     let Rasters { dsm, with, warnings } = placed(part, dsm, options, frame, system)?;
     let dsm = match within {
-        Some(within) if dsm.raster.heights.len() as u64 > MAX_CELLS => around(dsm, within)?,
+        Some(within) if cells(&dsm, &with) > MAX_CELLS => around(dsm, within)?,
         _ => dsm,
     };
     let mut city = city(&dsm, &with, options)?;
@@ -93,6 +94,12 @@ pub(crate) fn windows_of(
         }
     }
     Ok(found)
+}
+
+/// Returns the number of cells of the finest grid of a city.
+fn cells(dsm: &Layer, with: &Companions) -> u64 {
+    let finer = with.canopy.as_ref().filter(|canopy| is_finer(canopy, &dsm.raster.grid));
+    [Some(dsm), finer].into_iter().flatten().map(|layer| layer.raster.heights.len() as u64).fold(0, u64::max)
 }
 
 /// Returns the part of a surface that receivers in a part of a region may see.
@@ -159,12 +166,6 @@ fn placed<'a>(
     warnings.append(&mut dsm.raster.warnings);
     for other in [&with.dem, &with.canopy, &with.landcover].into_iter().flatten() {
         check_place(&dsm, other)?;
-    }
-    // Trees alone stand on the finer grid of ground and crowns.
-    if let Some(crowns) = with.canopy.as_ref().filter(|_| options.is_bare())
-        && crowns.raster.grid.step.max_element() < dsm.raster.grid.step.max_element()
-    {
-        dsm.raster = resampled(dsm.raster, crowns.raster.grid);
     }
     Ok(Rasters { dsm, with, warnings })
 }

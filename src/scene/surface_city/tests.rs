@@ -289,8 +289,30 @@ fn a_crown_over_a_lawn_is_a_hull() {
     assert_eq!((trees.len(), trees[0].object.as_str()), (1, "trees_1012_1988"));
 }
 
+/// Crowns in cells of 0.25 m stand in a city in cells of 2 m: the hull of a crown of 2.5 x 2.5 x 8
+/// m has its 72.5 m2, and that of a crown of 6 x 6 x 6 m at a wall ends with the last cell whose
+/// middle is not inside, 4.75 m wide.
+#[test]
+fn crowns_keep_a_finer_grid_than_the_city() {
+    let within = |place: DVec2, x: f64, y: f64, half: f64| (place - DVec2::new(x, y)).abs().max_element() < half;
+    let crown = |place: DVec2| match place {
+        place if within(place, 22.125, -14.125, 1.25) => 8.0,
+        place if within(place, 12.625, -30.125, 3.0) => 6.0,
+        _ => 0.0,
+    };
+    let with = Companions {
+        dem: Some(layer(raster(30, 30, 2.0, |_| 5.0))),
+        canopy: Some(layer(raster(230, 230, 0.25, crown))),
+        landcover: None,
+    };
+    let dsm = raster(30, 30, 2.0, |place| if place.x < 11.0 { 13.0 } else { 5.0 });
+    let found = areas(&city(&layer(dsm), &with, &SurfaceRasters::default()).expect("a city").geometry);
+    let hulls = 2.0 * 2.5 * 2.5 + 4.0 * 2.5 * 6.0 + 2.0 * 4.75 * 6.0 + 2.0 * (4.75 + 6.0) * 4.5;
+    assert!((found.canopy - hulls).abs() < 1e-6, "{found:?} {hulls}");
+}
+
 /// Ground in cells of 5 m that rises by 0.2 m a metre, with crowns in cells of 0.5 m and no
-/// surface, is a forest: 900 m2 of ground, no roof, and the hull of a crown of 6 x 6 m whose top
+/// surface, is a forest: 1600 m2 of ground, no roof, and the hull of a crown of 6 x 6 m whose top
 /// stands 8 m above the ground.
 #[test]
 fn ground_and_crowns_are_a_forest() {
@@ -318,7 +340,7 @@ fn ground_and_crowns_are_a_forest() {
     let [found] = found.as_slice() else { panic!("{} windows", found.len()) };
     let found = areas(found);
     assert_eq!((found.roof, found.wall), (0.0, 0.0));
-    assert!((found.ground - 900.0).abs() < 1e-6, "{found:?}");
+    assert!((found.ground - 1600.0).abs() < 1e-6, "{found:?}");
     // Top and underside lean by 0.2, the sides are 6 m high.
     let hull = 2.0 * 36.0 * 1.04_f64.sqrt() + 4.0 * 36.0;
     assert!((found.canopy - hull).abs() < 1.0, "{found:?} {hull}");

@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::modules::{GEOMETRY, MATERIALS};
+use super::modules::{GEOMETRY, MATERIALS, PLAIN};
 use super::request::PvRequest;
 use super::spots::Spots;
 use crate::run::made_from::MadeFrom;
@@ -98,7 +98,7 @@ impl PvFolder {
         ];
         let tables = self.tables(request);
         let outputs = tables.iter().flat_map(|table| files_of(table)).chain([self.archive.clone()]);
-        let outputs = outputs.chain(["receivers.csv", GEOMETRY, MATERIALS].map(|name| self.folder.join(name)));
+        let outputs = outputs.chain(["receivers.csv", GEOMETRY, MATERIALS, PLAIN].map(|name| self.folder.join(name)));
         for output in outputs {
             guard_site(&output, site, &inputs)?;
         }

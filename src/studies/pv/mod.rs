@@ -38,12 +38,13 @@ use heliotile_scene::covering::surfaces::Surfaces;
 use heliotile_scene::load::ObjectTriangles;
 use heliotile_scene::points::places::{PlacePoint, PointDefaults, read_points};
 use heliotile_scene::pv::rows::{RowsOfModules, read_rows};
-use heliotile_scene::site::SceneFiles;
+use heliotile_scene::site::{Part, SceneFiles};
 use heliotile_weather::distance::far_apart;
 use light::Light;
-use modules::{GEOMETRY, LaidRows, MATERIALS};
+use modules::{GEOMETRY, LaidRows, MATERIALS, PLAIN, plain_below};
 use spots::Spots;
 use tables::Results;
+use tempfile::NamedTempFile;
 
 pub use energy::{EnergyRequest, Mounting};
 pub use request::PvRequest;
@@ -73,6 +74,20 @@ impl ModuleSource {
     /// Returns true if receivers on the ground are requested.
     fn has_ground(&self) -> bool {
         matches!(self, ModuleSource::Rows(all) if all.iter().any(|rows| rows.ground_step_m.is_some()))
+    }
+
+    /// Returns a file of an open plain for rows without a scene; it lasts as long as it is held.
+    fn plain(&self, request: &PvRequest) -> Result<Option<NamedTempFile>> {
+        let has_scene = !request.scene.files.is_empty() || !request.scene.surface.is_none();
+        let rows = match self {
+            ModuleSource::Rows(rows) if !has_scene => rows,
+            _ => return Ok(None),
+        };
+        let text = plain_below(request.modules_file(), rows)?;
+        let file = tempfile::Builder::new().suffix(".obj").tempfile();
+        let file = file.map_err(Error::io(&std::env::temp_dir(), "make a file in"))?;
+        fs::write(file.path(), text).map_err(Error::io(file.path(), "write"))?;
+        Ok(Some(file))
     }
 
     /// Returns true if modules state a rated power.
@@ -113,6 +128,10 @@ fn run(request: &PvRequest, about: Provenance, resources: &Resources) -> Result<
     let has_power = request.energy.kwp.is_some() || wanted.has_power();
     let files = PvFolder::new(request, wanted.has_ground(), has_power);
     files.guard(&site, request)?;
+    let plain = wanted.plain(request)?;
+    if let Some(plain) = &plain {
+        site.parts.push(Part::plain(plain.path(), request.scene.materials.as_deref()));
+    }
     // Weather is read before the scene, which takes longer: a wrong weather file fails at once.
     let mut loaded = None;
     let mut place = || Ok(loaded.insert(load(&site, &wanted, observer)?).0.place);
@@ -177,6 +196,10 @@ fn run(request: &PvRequest, about: Provenance, resources: &Resources) -> Result<
     for name in parts {
         let to = files.folder.join(name);
         fs::rename(beside.path().join(name), &to).map_err(Error::io(&to, "rename to"))?;
+    }
+    if let Some(plain) = &plain {
+        let to = files.folder.join(PLAIN);
+        fs::copy(plain.path(), &to).map_err(Error::io(&to, "write"))?;
     }
     observer.stop_if_cancelled("after site.helio was complete")?;
     files.claim(&archive, &weather, request, &spots)?;

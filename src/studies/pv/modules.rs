@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use glam::{DVec2, DVec3};
 
+use super::open_plain::HALF_M;
 use heliotile_builder::siting::Siting;
 use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::observer::Observer;
@@ -14,17 +15,34 @@ use heliotile_core::text::{counted, message};
 use heliotile_results::outputs::sink::write_texts;
 use heliotile_scene::covering::surfaces::Surfaces;
 use heliotile_scene::pv::layout::{Laid, Module, Outline, lay};
-use heliotile_scene::pv::rows::{RowsGround, RowsOfModules, surface_named};
+use heliotile_scene::pv::rows::{MAX_MODULES, RowsGround, RowsOfModules, surface_named};
 use heliotile_scene::site::{Part, SceneFiles};
 
 /// Names of the files of modules.
 pub const GEOMETRY: &str = "modules.obj";
 pub const MATERIALS: &str = "modules.toml";
+/// Name of the file of the ground below rows without a scene.
+pub const PLAIN: &str = "plain.obj";
 
-/// Largest number of modules: more are a mix-up of metres and millimetres.
-const MAX_MODULES: usize = 1_000_000;
 /// Largest number of positions that are tried for rows: those of some 10 km2.
 const MAX_PLACES: f64 = 1e9;
+
+/// Returns an open plain around rows as OBJ, for rows without a scene. Fails for rows that stand on
+/// something else.
+pub fn plain_below(file: &Path, rows: &[RowsOfModules]) -> Result<String> {
+    let mut middle = DVec2::ZERO;
+    for of in rows {
+        let RowsGround::Counted { middle: at, .. } = of.ground else {
+            let what = format!("the rows `{}` stand on an area or a surface, but no scene is given", of.name);
+            let hint = "give a scene, or `rows = 5` and `modules = 10`, which stand on an open plain";
+            return Err(Error::input(file, None, what, hint));
+        };
+        middle += at / rows.len() as f64;
+    }
+    let corners = [(-HALF_M, -HALF_M), (HALF_M, -HALF_M), (HALF_M, HALF_M), (-HALF_M, HALF_M)];
+    let vertices = corners.map(|(x, y)| format!("v {} {} 0\n", middle.x + x, middle.y + y));
+    Ok(format!("o plain\n{}usemtl ground\nf 1 2 3 4\n", vertices.concat()))
+}
 
 /// Rows with their modules.
 pub struct LaidRows {
@@ -54,6 +72,9 @@ impl LaidRows {
         for rows in rows {
             let outline = match &rows.ground {
                 RowsGround::Area(corners) => Outline::of_polygon(corners),
+                RowsGround::Counted { rows: count, modules, middle } => {
+                    Outline::of_rows(&rows, [*count, *modules], *middle, north)
+                }
                 RowsGround::Surface(name) => match surface_named(surfaces, name) {
                     Ok(surface) => Outline::of_surface(surface),
                     Err(near) => {
@@ -80,9 +101,13 @@ impl LaidRows {
                 )
                 .because(Problem::Empty));
             }
-            if modules.len() > MAX_MODULES {
-                let (what, value) = ("the number of modules of rows".into(), modules.len() as u64);
-                return Err(Error::Limit { what, value, max: MAX_MODULES as u64 });
+            let count = modules.len() as u64;
+            if count > MAX_MODULES {
+                return Err(Error::Limit {
+                    what: "the number of modules of rows".into(),
+                    value: count,
+                    max: MAX_MODULES,
+                });
             }
             if left_out > 0 {
                 observer.warn(format!(

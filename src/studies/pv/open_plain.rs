@@ -21,7 +21,7 @@ use heliotile_scene::Scene;
 
 /// Half the side of the plain, metres. Seen from 1 m above it, its rim is 0.003 degrees below the
 /// horizon.
-const HALF_M: f64 = 20_000.0;
+pub(super) const HALF_M: f64 = 20_000.0;
 
 /// Orientation above a ground: index of the material, and the bits of the normal.
 type Key = (Option<u16>, [u64; 3]);

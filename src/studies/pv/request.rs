@@ -14,10 +14,10 @@ use heliotile_scene::request::SceneRequest;
 
 /// Request for a study of modules.
 #[derive(Clone, Debug, Request, DefaultRequest)]
-#[request(exactly_one("points", "rows"))]
+#[request(exactly_one("points", "rows"), any_of("scene", "dsm", "dem", "canopy", "landcover", "rows"))]
 pub struct PvRequest {
-    /// Scene around the modules.
-    #[field(flatten)]
+    /// Scene around the modules; rows of a stated number stand on an open plain without one.
+    #[field(flatten, ungrouped)]
     pub scene: SceneRequest,
     /// Weather file: EPW, TMY3, WEA, SURFRAD, CSV or JSON of a service (NSRDB, PVGIS, Open-Meteo,
     /// Solcast), or any CSV or JSON with `time` and some of ghi, dni, dhi; also packed (.gz, .zip).
@@ -30,10 +30,10 @@ pub struct PvRequest {
     /// ground below), and tilt_deg,azimuth_deg (from true north; may be left out with --search).
     #[field(short = 'p', metavar = "FILE", input = Any)]
     pub points: Option<PathBuf>,
-    /// Rows of modules, TOML: each table `rows` has a name, an area or surface, tilt, azimuth,
-    /// pitch, width, height. Modules shade each other, reflect light to each other, and have a
-    /// front and a rear. `ground = 0.5` adds receivers on the ground among the rows, 0.5 m apart,
-    /// with the light that plants use.
+    /// Rows of modules, TOML: each table `rows` has a name, an area, a surface or a number of rows
+    /// and modules, tilt, azimuth, pitch, width, height. Modules shade each other, reflect light to
+    /// each other, and have a front and a rear. `ground = 0.5` adds receivers on the ground among
+    /// the rows, 0.5 m apart, with the light that plants use.
     #[field(short = 'r', metavar = "FILE", input = Any)]
     pub rows: Option<PathBuf>,
     /// Bifaciality, the share of the light on the rear that is added to that on the front, for

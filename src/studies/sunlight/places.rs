@@ -164,7 +164,7 @@ impl PlaceQuestions<'_> {
                 part,
                 suns,
                 high,
-                sky: self.wants_sky().then(|| SkyComponents::new(&part.site)).transpose()?,
+                sky: self.wants_sky().then(|| SkyComponents::overcast(&part.site)).transpose()?,
                 wants_sun: self.wants(false),
                 powers: stored(part.site.materials()),
                 rays: prepared.as_ref().filter(|_| self.exact).map(Siting::new),
