@@ -1,12 +1,13 @@
 //! Requests from texts, as faces hand them over. In: names of fields with their texts. Out: a
 //! request whose files were checked, and what results state of it.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use heliotile_core::error::{Error, Result};
 use heliotile_core::text::without_secrets;
 use heliotile_files::writing::claim::OutputGuard;
-use heliotile_requests::{Many, Request, Row, complete, filled};
+use heliotile_requests::{InputKind, Many, Request, Role, Row, complete, filled};
+use heliotile_results::Provenance;
 use serde_json::{Map, Number, Value};
 
 use super::ready::ready;
@@ -18,7 +19,19 @@ pub type Given = Vec<(String, Vec<String>)>;
 pub struct Prepared<R> {
     /// Request.
     pub request: R,
+    /// Files that it reads, without archives and scenes, which have hashes of their own.
+    inputs: Vec<PathBuf>,
     _claimed: OutputGuard,
+}
+
+impl<R> Prepared<R> {
+    /// Adds the hashes of weather, tables and other small files that the request reads to `about`.
+    ///
+    /// # Errors
+    /// A file cannot be read.
+    pub fn told_in(&self, about: Provenance) -> Result<Provenance> {
+        about.with_inputs(&self.inputs)
+    }
 }
 
 /// Fills a request and checks it: ranges, fields that exclude each other, files that are not there
@@ -33,7 +46,13 @@ pub fn prepared<R: Request + Default>(
     let request = filled::<R>(given).map_err(Error::refused)?;
     complete(&R::rows(), &R::groups(), &names).map_err(Error::refused)?;
     let claimed = ready(&request, names.contains(&"geo"), in_memory)?;
-    Ok(Prepared { request, _claimed: claimed })
+    let mut inputs = Vec::new();
+    request.files(&mut |_, role, path| match role {
+        Role::Input(InputKind::Archive | InputKind::SceneOrArchive | InputKind::Scene) => {}
+        Role::Input(_) if !in_memory(path) => inputs.push(path.to_path_buf()),
+        Role::Input(_) | Role::Value | Role::Output(_) | Role::Neutral => {}
+    });
+    Ok(Prepared { request, inputs, _claimed: claimed })
 }
 
 /// Returns the fields that change values with their texts, or with those of their defaults, for

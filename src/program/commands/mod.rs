@@ -71,7 +71,7 @@ pub fn start<R: Request + Default>(
 ) -> Result<Outcome> {
     let prepared = prepared::<R>(given, &[], &|_| false)?;
     console::interrupt::clean_up();
-    run(&prepared.request, about)
+    run(&prepared.request, prepared.told_in(about)?)
 }
 
 /// Applies the options of all commands to the whole program.

@@ -79,7 +79,7 @@ impl Keywords {
             let bytes = |path: &Path| self.tables.get(path).map(|bytes| Ok(bytes.to_vec()));
             let files = |path: &Path| bytes(path).unwrap_or_else(|| input::read(path));
             let resources = Resources { memory: self.memory()?, storage: &SystemTemp, files: &files, observer: watch };
-            then(&prepared.request, self.about::<R>()?, &resources)
+            then(&prepared.request, prepared.told_in(self.about::<R>()?)?, &resources)
         })
     }
 

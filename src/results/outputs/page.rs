@@ -47,7 +47,7 @@ impl CsvTable {
             true => Column::text(name),
             false => Column::number(name, 4),
         };
-        csvw::text(self.name, &header.map(column).collect::<Vec<_>>(), about)
+        csvw::text(self.name, &header.map(column).collect::<Vec<_>>(), about, blake3::hash(self.text.as_bytes()))
     }
 }
 

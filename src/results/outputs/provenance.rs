@@ -2,12 +2,16 @@
 //! every format writes: metadata of Parquet and Arrow, comments of PLY, text of PNG, an element of
 //! SVG, JSON. There is no time of day and no name of a machine: equal inputs give equal bytes.
 
-use std::path::Path;
+use std::fs;
+use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value};
 
 use super::markup::escaped;
+use heliotile_core::archive::accuracy::Accuracy;
+use heliotile_core::archive::manifest::Manifest;
 use heliotile_core::archive::{Archive, format};
+use heliotile_core::error::{Error, Result};
 use heliotile_core::text::without_secrets;
 use heliotile_core::weather::time::utc_offset::UtcOffset;
 use heliotile_weather::series::Weather;
@@ -20,8 +24,12 @@ pub struct Provenance {
     options: Map<String, Value>,
 }
 
+/// Size of the largest input file that is hashed, bytes: weather, tables and rules are far smaller,
+/// and hashing larger files costs seconds.
+const MAX_HASHED: u64 = 64 << 20;
+
 /// Prefix of all names.
-const PREFIX: &str = "heliotile.";
+pub const PREFIX: &str = "heliotile.";
 
 impl Provenance {
     /// Returns the provenance of a command line: its text, and its options with resolved values.
@@ -42,9 +50,37 @@ impl Provenance {
         self
     }
 
-    /// Adds the archive's file name and its root, as `info` prints it.
+    /// Adds the archive's file name and its root, as `info` prints it, the place of its scene, and
+    /// what it states of its own error.
     pub fn with_archive(self, path: &Path, archive: &Archive) -> Self {
-        self.with("archive", file_name(path)).with("archive_root", format::hex(&archive.root()))
+        let about = self.with("archive", file_name(path)).with("archive_root", format::hex(&archive.root()));
+        let Manifest { place, accuracy, preview, negligible, .. } = archive.manifest();
+        about
+            .with_any("place", place.as_ref())
+            .with_any("stated_error", accuracy.as_ref().map(error_of))
+            .with_any("preview", preview.as_ref())
+            .with_any("left_out", negligible.as_ref())
+    }
+
+    /// Adds the BLAKE3 hashes of input files, by the names that were given. Files of more than 64
+    /// MiB, pipes and names that are no files are left out.
+    pub fn with_inputs(self, files: &[PathBuf]) -> Result<Self> {
+        let mut hashes = Map::new();
+        // Only regular files are read: a pipe would lose the bytes that are read here.
+        let is_small = |path: &&PathBuf| fs::metadata(path).is_ok_and(|is| is.is_file() && is.len() <= MAX_HASHED);
+        for path in files.iter().filter(is_small) {
+            let bytes = fs::read(path).map_err(Error::io(path, "read"))?;
+            hashes.insert(without_secrets(&path.to_string_lossy()), blake3::hash(&bytes).to_hex().as_str().into());
+        }
+        let hashes = (!hashes.is_empty()).then_some(Value::Object(hashes));
+        Ok(self.with_any("inputs", hashes))
+    }
+
+    fn with_any(self, name: &'static str, value: Option<impl ToString>) -> Self {
+        match value {
+            Some(value) => self.with(name, value),
+            None => self,
+        }
     }
 
     /// Adds the atlas's name, and one root made of the roots of its parts, in their order.
@@ -108,6 +144,15 @@ impl Provenance {
             None => svg.to_string(),
         }
     }
+}
+
+/// Returns the error that an archive states, in words.
+fn error_of(accuracy: &Accuracy) -> String {
+    let Accuracy { rmse_percent, yearly_percent, sample, conditions, weather, .. } = accuracy;
+    format!(
+        "RMSE of totals {rmse_percent:.2} % of their mean by hour, {yearly_percent:.2} % of sums, from {sample} \
+         receivers under {conditions} conditions ({weather})"
+    )
 }
 
 fn file_name(path: &Path) -> String {

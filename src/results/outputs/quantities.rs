@@ -56,7 +56,7 @@ pub enum Verdict {
 
 impl Verdict {
     /// All verdicts with their names, and the numbers that stand for them in maps.
-    const ALL: [(Verdict, &'static str, f32); 3] =
+    pub const ALL: [(Verdict, &'static str, f32); 3] =
         [(Verdict::Broken, "broken", 0.0), (Verdict::Close, "close", 0.5), (Verdict::Met, "met", 1.0)];
 
     /// Returns the number that stands for the verdict.

@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 
 use crate::covering::CoverRequest;
 use crate::run::maps::RunMap;
+use crate::sunlight::own_rules;
 use heliotile_builder::planning::{AccuracyRequest, parse_negligible};
 use heliotile_core::weather::options::{StampedAt, WeatherOptions};
-use heliotile_requests::{DefaultRequest, OutputKind, Request, Role};
+use heliotile_requests::{DefaultRequest, InputKind, OutputKind, Request, Role};
 use heliotile_results::outputs::periods::Every;
 use heliotile_results::outputs::tables::format::table_endings;
 use heliotile_results::outputs::tables::layout::By;
@@ -15,7 +16,7 @@ use heliotile_scene::request::SceneRequest;
 
 /// Request for a run.
 #[derive(Clone, Debug, Request, DefaultRequest)]
-#[request(also = usual_folder)]
+#[request(also = other_files)]
 pub struct RunRequest {
     /// Scene to trace.
     #[field(flatten, without("grid_north"))]
@@ -83,8 +84,9 @@ pub struct RunRequest {
     pub replace: bool,
 }
 
-/// Hands on the folder that a run writes if none is given.
-fn usual_folder(request: &RunRequest, each: &mut dyn FnMut(&'static str, Role, &Path)) {
+/// Hands on the files of the user's own rules, and the folder that a run writes if none is given.
+fn other_files(request: &RunRequest, each: &mut dyn FnMut(&'static str, Role, &Path)) {
+    own_rules(&request.rules).for_each(|file| each("rule", Role::Input(InputKind::Any), file));
     if request.folder.is_none() {
         each(
             "output",

@@ -3,6 +3,8 @@
 
 use std::path::{Path, PathBuf};
 
+use serde_json::Value;
+
 use super::columns::DayColumns;
 use super::former::{FormerValues, NamesAfter};
 use super::glare::{GlareChoice, PaneFile, SpellRecord, write_calendar};
@@ -17,6 +19,7 @@ use heliotile_core::hemisphere::HEMISPHERE_SR;
 use heliotile_core::memory::Use;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::text::{counted, message};
+use heliotile_core::weather::time::sun::Location;
 use heliotile_results::archives::Archives;
 use heliotile_results::doubts::{check_one_site, preview};
 use heliotile_results::files::{OutputRequest, RowFiles, RowsAbout, groups_of, name_of};
@@ -37,6 +40,11 @@ const DEGREES_A_MINUTE: f64 = 0.25;
 
 /// Kind of the surfaces of windows.
 const WINDOW: &str = "window";
+
+/// Returns the place for which the sun is computed if the archive has none.
+fn place_of_weather(site: &Location) -> String {
+    format!("latitude {}, longitude {}, of the weather file", site.latitude_deg, site.longitude_deg)
+}
 
 impl SunlightRequest {
     /// Writes the files; `before` is the site before a change, if one is requested.
@@ -70,6 +78,17 @@ impl SunlightRequest {
             None => about,
         };
         let about = about.with("utc_offset", plan.zone.standard(self.year)).with("clock", plan.zone);
+        // An archive that has a place states it.
+        let about = match site.archives.manifest().place {
+            Some(_) => about,
+            None => about.with("place", place_of_weather(&plan.site)),
+        };
+        let about = match &asked {
+            RowSubject::Rules(rules) => {
+                about.with("rules", Value::from_iter(rules.iter().map(|one| one.rule.stated())))
+            }
+            RowSubject::Dates(_) => about,
+        };
         let told = RowsAbout { called: self.called(&columns, site.place), about, place: site.place, scene: None };
         let calendars: Vec<&Path> = self.calendars(files).collect();
         let drawn = files.plots.iter().map(PathBuf::as_path).filter(|plot| !calendars.contains(plot));

@@ -9,7 +9,7 @@ use super::calendar::DaySpan;
 use super::days::{DayPlan, SunnyHours};
 use super::glare::GlareChoice;
 use super::places::{DateRows, RowSubject};
-use super::rule_files::read_rules;
+use super::rule_files::{own_rules, read_rules};
 use super::trees::TreeShade;
 use heliotile_core::error::{Error, Problem, Result, check_ranges};
 use heliotile_core::site::place::Place;
@@ -20,7 +20,7 @@ use heliotile_core::weather::time::calendar::Date;
 use heliotile_core::weather::time::clock_zone::ClockZone;
 use heliotile_core::weather::time::sun::Location;
 use heliotile_core::weather::time::years::Years;
-use heliotile_requests::{DefaultRequest, Request};
+use heliotile_requests::{DefaultRequest, InputKind, Request, Role};
 use heliotile_results::archives::Archives;
 use heliotile_results::files::OutputRequest;
 use heliotile_results::outputs::periods::{ClockReading, Every, Periods};
@@ -30,6 +30,7 @@ use heliotile_results::resources::Resources;
 
 /// Request for minutes of possible sun on days, or for the verdicts of rules.
 #[derive(Clone, Debug, PartialEq, Request, DefaultRequest)]
+#[request(also = rule_files)]
 pub struct SunlightRequest {
     /// Days to compute, separated by commas: 03-21, 2026-03-21, 02-19..10-21 or year; with --rule,
     /// the days for rules that state none.
@@ -137,6 +138,11 @@ fn is_same_name(a: &Path, b: &Path) -> bool {
     whole(a) == whole(b)
 }
 
+/// Hands on the files of the user's own rules.
+fn rule_files(request: &SunlightRequest, each: &mut dyn FnMut(&'static str, Role, &Path)) {
+    own_rules(&request.rules).for_each(|file| each("rule", Role::Input(InputKind::Any), file));
+}
+
 impl SunlightRequest {
     /// Refuses numbers out of range, choices that exclude each other, unknown rules, and files that
     /// cannot hold such results, before an archive is opened.
@@ -206,8 +212,7 @@ impl SunlightRequest {
 
     /// Returns the files that are read besides archives.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
-        let own = self.rules.iter().filter(|name| name.ends_with(".toml")).map(Path::new);
-        own.chain(self.weather.as_deref()).chain(self.before.as_deref())
+        own_rules(&self.rules).chain(self.weather.as_deref()).chain(self.before.as_deref())
     }
 
     /// Returns the days, and rules or labels of rows. Reads rules and weather, and warns of what is

@@ -4,6 +4,7 @@
 use std::fmt;
 
 use serde::Deserialize;
+use serde_json::{Value, json};
 
 use super::calendar::DaySpan;
 use heliotile_core::named::NamedValues;
@@ -327,6 +328,13 @@ impl TryFrom<StatedRule> for Rule {
 }
 
 impl Rule {
+    /// Returns what results state of the rule: its name, its requirement, where that is written,
+    /// and what could not be confirmed.
+    pub fn stated(&self) -> Value {
+        let Rule { name, title, source, unconfirmed, .. } = self;
+        json!({ "name": name, "title": title, "source": source, "unconfirmed": unconfirmed })
+    }
+
     /// Returns true if the rule needs days of sun, its own or those of the request.
     pub fn needs_days(&self) -> bool {
         self.measure != RuleMeasure::VscPercent

@@ -53,6 +53,11 @@ pub fn shipped_rules() -> Result<Vec<ShippedRules>> {
     SHIPPED.into_iter().map(file).collect()
 }
 
+/// Returns the files among the names of rules: those that end with .toml.
+pub fn own_rules(names: &[String]) -> impl Iterator<Item = &Path> {
+    names.iter().filter(|name| name.ends_with(".toml")).map(Path::new)
+}
+
 /// Reads the rules of files, given by the names of shipped ones or by paths that end with .toml.
 pub fn read_rules(names: &[String]) -> Result<Vec<Rule>> {
     let mut all: Vec<Rule> = Vec::new();

@@ -9,6 +9,7 @@ use std::io::Write;
 use std::ops::Range;
 use std::sync::Arc;
 
+use blake3::Hasher;
 use rayon::prelude::*;
 
 use crate::outputs::provenance::Provenance;
@@ -33,6 +34,8 @@ pub struct CsvTable {
     /// `[task]`: buffers of text, which are reused.
     texts: Vec<Vec<u8>>,
     about: Option<Provenance>,
+    /// Hash of the bytes written so far.
+    hasher: Hasher,
 }
 
 /// Column of a batch, or neighbouring columns with one number format.
@@ -66,7 +69,9 @@ impl CsvTable {
         sink.write_all(header.as_bytes()).map_err(|error| failed(sink.path(), error))?;
         let of_bins = columns.all().iter().map(cells_of_bins).collect();
         let texts = vec![Vec::new(); TASKS_AT_ONCE];
-        Ok(CsvTable { sink, columns, of_bins, texts, about: request.about.cloned() })
+        let mut hasher = Hasher::new();
+        hasher.update(header.as_bytes());
+        Ok(CsvTable { sink, columns, of_bins, texts, about: request.about.cloned(), hasher })
     }
 
     /// Returns the columns of a batch.
@@ -169,6 +174,7 @@ impl FormatWriter for CsvTable {
                 self.put(text, &columns, places);
             });
             for text in texts.iter().take(tasks.len()) {
+                self.hasher.update(text);
                 self.sink.write_all(text).map_err(|error| failed(self.sink.path(), error))?;
             }
         }
@@ -183,7 +189,7 @@ impl FormatWriter for CsvTable {
     fn finish(self: Box<Self>) -> Result<u64> {
         // The table is completed last: if it exists, so does its metadata file.
         let beside = match (self.sink.file_path(), &self.about) {
-            (Some(path), Some(about)) => csvw::write(path, self.columns.all(), about)?,
+            (Some(path), Some(about)) => csvw::write(path, self.columns.all(), about, self.hasher.finalize())?,
             _ => 0,
         };
         Ok(beside + self.sink.finish()?)
