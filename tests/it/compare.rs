@@ -284,11 +284,16 @@ fn every_format_holds_the_change() {
     };
     let end = |key: &str| text(key).parse::<f64>().expect("a number");
     assert_eq!(text("heliotile.colours"), "PuOr");
-    assert!(end("heliotile.colours_from") == -end("heliotile.colours_to") && end("heliotile.colours_to") >= largest);
+    assert_eq!(end("heliotile.colours_from"), -end("heliotile.colours_to"));
+    // At least 98 % of the changes lie on the scale, and the picture says so if not all do.
+    let changes = table.values().map(|row| number(row, "change_total_kwh_m2").abs());
+    let within = changes.filter(|change| *change <= end("heliotile.colours_to")).count();
+    assert!(100 * within >= 98 * table.len(), "{within} of {}", table.len());
+    assert_eq!(text("heliotile.colours_percentile").is_empty(), end("heliotile.colours_to") >= largest);
     let days = format!("--weather {weather} --every day --plot days.svg");
     run(&folder, &format!("compare before.helio after.helio {days}"));
     let days = fs::read_to_string(folder.path("days.svg")).expect("a chart");
-    assert!(days.contains("Change of total by day") && days.contains(">loss<"), "{days}");
+    assert!(days.contains("Change of total irradiation by day") && days.contains(">loss<"), "{days}");
 }
 
 /// Two variants give a row each, whose means are those of single comparisons. A file of results

@@ -22,6 +22,7 @@ use heliotile_core::units::direction_from_degrees;
 use heliotile_core::weather::time::sun::Location as Place;
 use heliotile_core::weather::time::sun_path::{MONTHS, SunPath};
 use heliotile_results::outputs::pictures::colours::inferno;
+use heliotile_results::outputs::pictures::drawing::SCALE;
 use heliotile_results::outputs::pictures::fisheye::{
     BEHIND, GROUND, MIRROR, OBSTRUCTION, Overlay, SKY, fisheye, place_of,
 };
@@ -254,11 +255,11 @@ fn a_panel_shows_the_sun_in_a_mirror() {
     let asked = PanelSun { direction: sun, called: "noon".into() };
     let picture = panel(&view, &maps, &asked, Default::default(), &Provenance::default()).expect("a picture");
     let (width, pixels) = decoded(&picture);
-    assert_eq!((width, pixels.len()), (1020, 1020 * 898 * 3));
+    assert_eq!((width, pixels.len()), (2040, 2040 * 1816 * 3));
     // The middle of each of the six pictures looks straight up.
     let middle = |number: usize| {
         let (x, y) = (number % 3 * 340 + 170, 60 + number / 3 * 384 + 208);
-        [0, 1, 2].map(|c| pixels[(y * width + x + 9) * 3 + c])
+        [0, 1, 2].map(|c| pixels[SCALE * (y * width + x + 9) * 3 + c])
     };
     let sky = inferno(((100.0 / PI / 0.1).ln() / 1e4_f64.ln()) as f32);
     assert_eq!([middle(0), middle(2), middle(3), middle(4)], [SKY, inferno(0.0), inferno(0.0), inferno(0.0)]);
@@ -274,7 +275,8 @@ fn a_panel_shows_the_sun_in_a_mirror() {
 /// Returns the colour of a picture where a direction is drawn.
 fn pixel(picture: &(usize, Vec<u8>), azimuth_deg: f64, altitude_deg: f64) -> [u8; 3] {
     let (x, y) = place_of(direction_from_degrees(azimuth_deg, altitude_deg));
-    let at = (y as usize * picture.0 + x as usize) * 3;
+    let [column, row] = [x, y].map(|points| (points * SCALE as f64) as usize);
+    let at = (row * picture.0 + column) * 3;
     [picture.1[at], picture.1[at + 1], picture.1[at + 2]]
 }
 
@@ -304,7 +306,7 @@ fn fisheye_shows_what_is_there() {
         )
     };
     let (up, south) = (draw("up", &Overlay::default()), draw("south", &Overlay::default()));
-    assert_eq!((up.0, up.1.len()), (900, 900 * 980 * 3));
+    assert_eq!((up.0, up.1.len()), (1800, 1800 * 1960 * 3));
     for (azimuth, altitude, colour) in [
         (170.0, 50.0, SKY),
         (190.0, 40.0, OBSTRUCTION),
@@ -451,7 +453,7 @@ fn view_factors_sum_to_one() {
     {
         let out = folder.run(&format!("export site.helio -r south -o south.png {rest}"));
         assert_eq!(out.status.code(), Some(0), "{}", String::from_utf8_lossy(&out.stderr));
-        assert_eq!(decoded(&fs::read(folder.path("south.png")).expect("a picture")).0, 900);
+        assert_eq!(decoded(&fs::read(folder.path("south.png")).expect("a picture")).0, 1800);
     }
 }
 

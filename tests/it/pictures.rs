@@ -6,11 +6,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use heliotile_results::outputs::pictures::colours::{COMPONENTS, viridis};
+use heliotile_results::outputs::pictures::drawing::SCALE;
 
 use crate::cli::{Folder, golden, stderr, stdout};
 
 /// Returns the path of a typical year of hours.
-fn year() -> PathBuf {
+pub fn year() -> PathBuf {
     Path::new(crate::ROOT).join("tests/data/weather/golden_tmy3.epw")
 }
 
@@ -40,7 +41,7 @@ fn number(row: &BTreeMap<String, String>, name: &str) -> f64 {
 }
 
 /// Reads a PNG: width, pixels, and texts by name.
-fn png(path: &Path) -> (usize, Vec<[u8; 3]>, BTreeMap<String, String>) {
+pub fn png(path: &Path) -> (usize, Vec<[u8; 3]>, BTreeMap<String, String>) {
     let bytes = fs::read(path).expect("a picture");
     let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().expect("a PNG");
     let mut pixels = vec![0; reader.output_buffer_size().expect("a size")];
@@ -49,6 +50,10 @@ fn png(path: &Path) -> (usize, Vec<[u8; 3]>, BTreeMap<String, String>) {
     let texts = texts.iter().map(|text| (text.keyword.clone(), text.text.clone())).collect();
     (frame.width as usize, pixels.as_chunks().0.to_vec(), texts)
 }
+
+/// Corner of the view from above, and height of the space below the views, points.
+const PANEL: [usize; 2] = [16, 86];
+const FOOT: usize = 122;
 
 /// Returns the step, of 255, that a colour of the map stands for.
 fn step(colour: [u8; 3]) -> Option<f64> {
@@ -66,12 +71,14 @@ fn a_map_shows_the_sums() {
     let (width, pixels, texts) = png(&folder.path("map.png"));
     let top: f64 = texts["heliotile.colours_to"].parse().expect("a number");
     let at = |x: usize, y: usize| pixels[y * width + x];
-    // The ground fills the panel, which starts at (24, 64).
-    let across = (24..width).take_while(|x| at(*x, 66) != [255; 3]).count();
-    let down = (64..).take_while(|y| at(26, *y) != [255; 3]).count();
+    // The ground fills the panel, which starts at the point (16, 86).
+    let [left, first] = PANEL.map(|points| points * SCALE);
+    let across = (left..width).take_while(|x| at(*x, first + 2) != [255; 3]).count();
+    let down = (first..).take_while(|y| at(left + 2, *y) != [255; 3]).count();
     let coloured = |x: usize, y: usize| at(x, y)[0] != at(x, y)[1] || at(x, y)[1] != at(x, y)[2];
     let (mut low, mut high) = ((usize::MAX, usize::MAX), (0, 0));
-    for (x, y) in (64..64 + down).flat_map(|y| (24..24 + across).map(move |x| (x, y))).filter(|(x, y)| coloured(*x, *y))
+    for (x, y) in
+        (first..first + down).flat_map(|y| (left..left + across).map(move |x| (x, y))).filter(|(x, y)| coloured(*x, *y))
     {
         (low, high) = ((low.0.min(x), low.1.min(y)), (high.0.max(x), high.1.max(y)));
     }
@@ -94,7 +101,7 @@ fn a_map_shows_the_sums() {
         let found = step(at(column as usize, row as usize)).expect("a colour of the map");
         assert!((found - 255.0 * total / top).abs() <= 1.0, "{found}, not {total} of {top}");
     }
-    let elsewhere = (0..pixels.len()).filter(|i| i % width > 24 + across || i / width > 64 + down);
+    let elsewhere = (0..pixels.len()).filter(|i| i % width > left + across || i / width > first + down);
     let seen = elsewhere.filter(|i| coloured(i % width, i / width)).count();
     assert!(seen > 10_000, "{seen}");
 }
@@ -239,14 +246,14 @@ fn points_are_marks_and_names_stay_text() {
         rows.filter(|p| p[0] != p[1] || p[1] != p[2]).collect::<std::collections::BTreeSet<_>>().len()
     };
     // Values may be equal, so colours are counted from 3 on.
-    assert!(colours(64, pixels.len() / width - 92) >= 3);
+    assert!(colours(PANEL[1] * SCALE, pixels.len() / width - FOOT * SCALE) >= 3);
     good(&folder, "replay a<script>.helio -c conditions.csv --plot bars.svg");
     let svg = fs::read_to_string(folder.path("bars.svg")).expect("a chart");
     assert!(
         !svg.contains("<script") && svg.matches("a&lt;script&gt;.helio under conditions.csv").count() == 1,
         "{svg}"
     );
-    assert!(svg.contains(">noon</text>") && svg.contains("W/m2"));
+    assert!(svg.contains(">noon</text>") && svg.contains("W/m\u{b2}"));
 }
 
 /// 9 results that cannot be drawn, or outputs that would replace a file, are refused,

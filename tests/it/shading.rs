@@ -224,7 +224,7 @@ fn rows(text: &str) -> Vec<BTreeMap<String, String>> {
 /// `shading` writes a row for each receiver, taker and month. What the takers of a receiver give
 /// adds up to the reflected columns of `replay` within the coding of stored responses, and a table
 /// in Parquet is written too. An archive for replay only, one without hits, is refused by its lack,
-/// and so is a table of an unknown ending.
+/// and so are a table of an unknown ending and a chart of 8760 bars.
 #[test]
 fn tables_of_takers_agree_with_replays() {
     let folder = Folder::new();
@@ -253,4 +253,7 @@ fn tables_of_takers_agree_with_replays() {
     folder.run("archive extract site.helio -o r.helio --replay-only");
     folder.fails(&format!("shading r.helio {weather}"), "input lacks r.helio hits and cells");
     folder.fails(&format!("shading site.helio -o t.xlsx {weather}"), "unsupported `t.xlsx`");
+    let hours = format!("--weather {} --every hour", crate::pictures::year().display());
+    folder.fails(&format!("shading site.helio {hours} --plot hours.svg"), "limit 8760");
+    assert!(!folder.path("hours.svg").exists());
 }

@@ -190,6 +190,8 @@ fn trees_hide_the_sun_on_request() {
 ///   minutes): 90 minutes of one day between those are met, three hours and two hours of each day
 ///   are not.
 /// - `behind`: VSC of 24.4 %, below 27; `south` has 39.6.
+///
+/// A map of a rule has two colours.
 #[test]
 fn verdicts_are_those_worked_out_by_hand() {
     let folder = Folder::new();
@@ -248,6 +250,13 @@ fn verdicts_are_those_worked_out_by_hand() {
     assert!((value("en-17037-minimum", "slot") - 118.0).abs() < 2.0 && (value("tno-light", "slot") - 64.0).abs() < 2.0);
     assert_eq!((verdict("bre-vsc", "south"), verdict("bre-vsc", "behind")), ("met".into(), "broken".into()));
     assert!((value("bre-vsc", "behind") - 24.36).abs() < 0.1 && (value("bre-vsc", "south") - 39.62).abs() < 0.1);
+    // A map draws places that meet the rule in blue and places that break it in orange.
+    run(&folder, "sunlight s.helio --rule the-hague --plot rule.png");
+    let (width, pixels, texts) = crate::pictures::png(&folder.path("rule.png"));
+    assert_eq!(texts["heliotile.colours"], "Oranges, Blues");
+    let views = &pixels[2 * 86 * width..pixels.len() - 2 * 146 * width];
+    let exceeds = |more: usize, less: usize| views.iter().any(|pixel| pixel[more] > pixel[less].saturating_add(60));
+    assert!(exceeds(2, 0) && exceeds(0, 2));
 }
 
 /// Rules from a user's file judge a window of three parts (50, 30 and 20 % of its area) that see

@@ -7,11 +7,12 @@ use std::path::{Path, PathBuf};
 use crate::Series;
 use crate::outputs::area_means::AreaMeans;
 use crate::outputs::periods::Every;
-use crate::outputs::pictures::bars::{Bars, Stack};
+use crate::outputs::pictures::bars::{self, Bars, Stack};
 use crate::outputs::pictures::carpet::{Carpet, HOURS};
 use crate::outputs::pictures::colours::{COMPONENTS, ColourScale};
+use crate::outputs::pictures::scale::titled;
 use crate::outputs::provenance::Provenance;
-use crate::outputs::quantities::Quantity;
+use crate::outputs::quantities::{Quantity, capital};
 use crate::outputs::sink::Sink;
 use crate::outputs::tables::layout::{By, Layout, Question};
 use crate::stream::{Tile, TileSink, TileStream};
@@ -25,8 +26,6 @@ use heliotile_files::writing::guards::guard_output;
 /// Largest number of days that are columns of their own; longer series have a column for each
 /// month.
 const MAX_DAYS: usize = 62;
-/// Largest number of bars: more of them would be thinner than a point.
-const MAX_BARS: usize = 800;
 /// Distance of a bar's colour from the middle of a scale around zero, as a share of the half scale.
 const BAR_SHARE: f32 = 0.6;
 /// Colour of bars that are not split into components.
@@ -80,10 +79,7 @@ impl Plot {
                         format!("`{}` is a map, which shows one value for each place, not {count}", path.display());
                     Err(Error::argument("plot", what, hint).because(Problem::excludes("every")))
                 }
-                Plot::Bars if count > MAX_BARS => {
-                    let what = "the number of bars of a chart (choose fewer with {from} and {to}, or a longer {every})";
-                    Err(Error::Limit { what: what.into(), value: count as u64, max: MAX_BARS as u64 })
-                }
+                Plot::Bars => bars::check(count).map(|()| (path.as_path(), plot)),
                 _ => Ok((path.as_path(), plot)),
             }
         };
@@ -132,13 +128,13 @@ impl<'a> AreaChart<'a> {
 
     /// Writes the chart; `called` describes its content.
     pub fn finish(self, called: &str, about: &Provenance) -> Result<()> {
-        let called = format!("{called}; {}", self.means.called());
-        let svg = match self.plot {
-            Plot::Hours => self.carpet(called).svg(),
-            Plot::Bars | Plot::Map => self.bars(called).svg(),
+        let called = about.with_place(&format!("{called}; {}", self.means.called()));
+        let drawing = match self.plot {
+            Plot::Hours => self.carpet(called).drawing(),
+            Plot::Bars | Plot::Map => self.bars(called).drawing(),
         };
         let mut sink = Sink::file(self.path)?;
-        sink.write_all(about.in_svg(&svg).as_bytes()).map_err(Error::io(self.path, "write to"))?;
+        sink.write_all(drawing.svg_file(about).as_bytes()).map_err(Error::io(self.path, "write to"))?;
         sink.finish().map(drop)
     }
 
@@ -185,7 +181,11 @@ impl AreaChart<'_> {
         let layout = self.layout();
         let main = layout.main_quantity();
         let stacks = if self.after.is_some() { self.change() } else { self.parts(main) };
-        let what = if self.after.is_some() { main.words.as_str() } else { "sun and sky" };
+        let what = match stacks.len() {
+            // Names of parts stand in the legend.
+            2.. if self.after.is_none() => layout.light_noun().to_owned(),
+            _ => layout.title(),
+        };
         let by = match self.series.every {
             Some(Every::Day) => "day",
             Some(Every::Month) => "month",
@@ -254,13 +254,7 @@ impl AreaChart<'_> {
         let by = if by_month { "month" } else { "day" };
         let layout = self.layout();
         let main = layout.main_quantity();
-        let title = format!("{} by hour and {by}, {}", main.words, layout.unit_of(main));
+        let title = titled(&format!("{} by hour and {by}", layout.title()), layout.unit_of(main));
         Carpet { title, called, labels, columns, scale: self.scale() }
     }
-}
-
-/// Returns `words` with a capital first letter.
-fn capital(words: &str) -> String {
-    let mut letters = words.chars();
-    letters.next().into_iter().flat_map(char::to_uppercase).chain(letters).collect()
 }

@@ -60,7 +60,7 @@ impl AreaMeans {
     pub fn called(&self) -> String {
         let receivers = heliotile_core::text::counted(self.receivers, "receiver");
         match self.is_by_area() {
-            true => format!("mean by area of {receivers}, {:.0} m2", self.area_m2),
+            true => format!("mean by area of {receivers}, {:.0} m\u{b2}", self.area_m2),
             false => format!("mean of {receivers}"),
         }
     }
@@ -83,7 +83,7 @@ mod tests {
             means.add(&receiver(area), &values, 0);
         }
         assert_eq!((means.mean(Component::Total), means.mean(Component::SunDirect)), (Some(vec![3.25]), None));
-        assert_eq!(means.called(), "mean by area of 2 receivers, 4 m2");
+        assert_eq!(means.called(), "mean by area of 2 receivers, 4 m\u{b2}");
         let mut values = TileValues::new(1, 1);
         values.row_mut(Component::Total, 0)[0] = 2.5;
         means.add(&receiver(None), &values, 0);

@@ -31,6 +31,9 @@ const MAX_HASHED: u64 = 64 << 20;
 /// Prefix of all names.
 pub const PREFIX: &str = "heliotile.";
 
+/// Number of digits of a root that pictures show.
+const ROOT_DIGITS: usize = 12;
+
 impl Provenance {
     /// Returns the provenance of a command line: its text, and its options with resolved values.
     pub fn new(command: String, options: Map<String, Value>) -> Self {
@@ -134,6 +137,32 @@ impl Provenance {
         Value::Object(all)
     }
 
+    /// Returns the program, the archive and the weather in one line, for the foot of a picture.
+    pub fn sources(&self) -> String {
+        let value = |name: &str| self.value(name);
+        let rooted = |file: &str, root: Option<&str>| match root.and_then(|root| root.get(..ROOT_DIGITS)) {
+            Some(root) => format!("{file}, root {root}"),
+            None => file.to_owned(),
+        };
+        let archive = value("archive").map(|file| rooted(file, value("archive_root")));
+        let atlas = value("atlas").map(|file| rooted(file, value("parts_root")));
+        let program = value("version").map(|version| format!("heliotile {version}"));
+        let conditions = value("weather").or(value("conditions")).map(str::to_owned);
+        [program, archive, atlas, conditions].into_iter().flatten().collect::<Vec<_>>().join("; ")
+    }
+
+    /// Returns a description in words with the place of the weather, for the heading of a picture.
+    pub fn with_place(&self, called: &str) -> String {
+        match self.value("weather_place") {
+            Some(place) if !place.is_empty() => format!("{called}; weather of {place}"),
+            _ => called.to_owned(),
+        }
+    }
+
+    fn value(&self, name: &str) -> Option<&str> {
+        self.entries.iter().find(|(other, _)| *other == name).map(|(_, value)| value.as_str())
+    }
+
     /// Returns a picture with this provenance in an element `metadata`.
     pub fn in_svg(&self, svg: &str) -> String {
         match svg.split_once('>') {
@@ -184,6 +213,19 @@ pub(crate) mod tests {
         assert_eq!(ascii[2].1, r"a<b>\u{a}.epw");
         assert_eq!(example().json()["heliotile.options"]["every"], "hour");
         assert!(Provenance::default().entries().is_empty());
+    }
+
+    /// The line of sources names program, archive with the start of its root and weather; the place
+    /// of the weather follows a description.
+    #[test]
+    fn sources_name_archive_and_weather() {
+        let about = Provenance::new(String::new(), Map::new()).with("archive", "a.helio");
+        let about =
+            about.with("archive_root", "0123456789abcdef").with("weather", "w.epw").with("weather_place", "Golden");
+        let expected = format!("heliotile {}; a.helio, root 0123456789ab; w.epw", env!("CARGO_PKG_VERSION"));
+        assert_eq!(about.sources(), expected);
+        assert_eq!(about.with_place("a year"), "a year; weather of Golden");
+        assert_eq!([Provenance::default().sources(), Provenance::default().with_place("x")], ["", "x"]);
     }
 
     /// A picture gets one element after its first tag, with 2 of its characters escaped.

@@ -55,6 +55,11 @@ pub enum Verdict {
 }
 
 impl Verdict {
+    /// Name of the quantity with the verdict of a rule; `THRESHOLDS` are those of the least and the
+    /// most that meet it.
+    pub const COLUMN: &str = "verdict";
+    pub const THRESHOLDS: [&str; 2] = ["at_least", "at_most"];
+
     /// All verdicts with their names, and the numbers that stand for them in maps.
     pub const ALL: [(Verdict, &'static str, f32); 3] =
         [(Verdict::Broken, "broken", 0.0), (Verdict::Close, "close", 0.5), (Verdict::Met, "met", 1.0)];
@@ -62,6 +67,11 @@ impl Verdict {
     /// Returns the number that stands for the verdict.
     pub fn number(self) -> f32 {
         Verdict::ALL.iter().find(|(verdict, ..)| *verdict == self).map_or(f32::NAN, |(.., number)| *number)
+    }
+
+    /// Returns the verdict that a number stands for.
+    pub fn of(number: f32) -> Option<Self> {
+        Verdict::ALL.iter().find(|(.., other)| *other == number).map(|(verdict, ..)| *verdict)
     }
 
     /// Returns the name of a number's verdict; empty if there is none.
@@ -180,6 +190,12 @@ impl Quantity {
         };
         components.as_slice().iter().enumerate().flat_map(of_component).collect()
     }
+}
+
+/// Returns `words` with a capital first letter.
+pub fn capital(words: &str) -> String {
+    let mut letters = words.chars();
+    letters.next().into_iter().flat_map(char::to_uppercase).chain(letters).collect()
 }
 
 /// Returns the words for a component.

@@ -11,6 +11,7 @@ use rayon::prelude::*;
 
 use crate::archives::Archives;
 use crate::buildings::check_table;
+use crate::outputs::pictures::bars;
 use crate::outputs::shading::{ShareRows, write_shares};
 use crate::outputs::tables::format::table_help;
 use crate::outputs::tables::layout::By;
@@ -110,6 +111,9 @@ impl ShadingRequest {
             );
             let hint = "choose one with {receivers}, or give a name that ends with .svg";
             return Err(Error::argument("plot", what, hint).because(Problem::needs("receivers")));
+        }
+        if self.plots.iter().any(|plot| pictures::is_chart(plot)) {
+            bars::check(stream.series.labels.len())?;
         }
         let mut hemisphere = None;
         let mut sums = Sums::new(self.by, stream, place)?;

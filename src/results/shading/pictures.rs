@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 
 use crate::outputs::pictures::bars::{Bars, Stack};
-use crate::outputs::pictures::canvas::Rgb;
 use crate::outputs::pictures::colours::ColourScale;
+use crate::outputs::pictures::drawing::Rgb;
 use crate::outputs::pictures::fisheye::{Overlay, TINTS, Tint, fisheye};
 use crate::outputs::provenance::Provenance;
 use crate::outputs::shading::{Share, ShareRows};
@@ -100,7 +100,10 @@ pub fn draw(
     for plot in plots {
         let bytes = match &png {
             Some(png) if !is_chart(plot) => png.clone(),
-            _ => about.in_svg(&bars(rows, &takers, called).svg()).into_bytes(),
+            _ => bars(rows, &takers, about.with_place(&format!("{called}; mean of all receivers by area")))
+                .drawing()
+                .svg_file(about)
+                .into_bytes(),
         };
         let mut sink = Sink::file(plot)?;
         sink.write_all(&bytes).map_err(Error::io(plot, "write to"))?;
@@ -129,7 +132,7 @@ fn takers(shares: &[Share], periods: usize) -> Vec<(String, Vec<f64>)> {
     takers
 }
 
-fn bars(rows: &ShareRows, takers: &[(String, Vec<f64>)], called: &str) -> Bars {
+fn bars(rows: &ShareRows, takers: &[(String, Vec<f64>)], called: String) -> Bars {
     let (first, rest) = takers.split_at(takers.len().min(COLOURS.len()));
     let one = |((name, values), colour): (&(String, Vec<f64>), &Rgb)| Stack {
         name: name.clone(),
@@ -143,7 +146,7 @@ fn bars(rows: &ShareRows, takers: &[(String, Vec<f64>)], called: &str) -> Bars {
     }
     Bars {
         title: "Direct light that objects take".into(),
-        called: format!("{called}; mean of all receivers by area"),
+        called,
         unit: if rows.kind == BinKind::Sums { "kWh/m2" } else { "W/m2" }.into(),
         labels: rows.labels.text.clone(),
         stacks,

@@ -5,7 +5,7 @@ use super::days::DayPlan;
 use super::places::{AnswerItem, DateRows, RowSubject};
 use super::rule::Threshold;
 use heliotile_core::weather::time::clock_zone::ClockZone;
-use heliotile_results::outputs::quantities::{Measure, Quantity, ValueSource};
+use heliotile_results::outputs::quantities::{Measure, Quantity, ValueSource, Verdict as Judgement};
 use heliotile_results::outputs::tables::bin_labels::BinLabels;
 use heliotile_results::outputs::tables::layout::{BinKind, By, Layout};
 use heliotile_sunlight::{Spells, Strongest, SunSeen};
@@ -225,10 +225,10 @@ impl Number {
             Number::ValueBefore => ("before", "value of the rule before", Measure::Number),
             Number::VerdictBefore => ("verdict_before", "whether the rule was met before", Measure::Verdict),
             Number::Value => ("value", "value of the rule", Measure::Number),
-            Number::AtLeast => ("at_least", "least value that meets the rule", Measure::Number),
-            Number::AtMost => ("at_most", "most that meets the rule", Measure::Number),
+            Number::AtLeast => (Judgement::THRESHOLDS[0], "least value that meets the rule", Measure::Number),
+            Number::AtMost => (Judgement::THRESHOLDS[1], "most that meets the rule", Measure::Number),
             Number::ValueUncertain => ("uncertain", "how far the value may be off", Measure::Number),
-            Number::Verdict => ("verdict", "whether the rule is met", Measure::Verdict),
+            Number::Verdict => (Judgement::COLUMN, "whether the rule is met", Measure::Verdict),
         }
     }
 }

@@ -446,7 +446,7 @@ impl PaneFile<'_> {
 pub fn write_calendar(calendar: &Calendar, path: &Path, about: &Provenance) -> Result<()> {
     use std::io::Write;
     let mut sink = Sink::file(path)?;
-    sink.write_all(about.in_svg(&calendar.svg()).as_bytes()).map_err(Error::io(path, "write to"))?;
+    sink.write_all(calendar.drawing().svg_file(about).as_bytes()).map_err(Error::io(path, "write to"))?;
     sink.finish().map(drop)
 }
 

@@ -1,10 +1,11 @@
 //! Stacked bars: sums of periods by component, or their changes. In: names, values. Out: SVG, a
 //! rectangle for each value above zero, and below zero for losses.
 
-use super::canvas::{Rgb, Side};
+use super::axes::{Axis, Frame, LETTERS, MARGIN};
 use super::colours::ColourScale;
-use super::scale::words;
-use super::svg::{Axis, BLACK, Frame, LETTERS, SWATCH, Svg, wide};
+use super::drawing::{Drawing, INK, Rgb, Side};
+use super::scale::{printed, words};
+use heliotile_core::error::{Error, Result};
 
 /// Picture of bars.
 pub struct Bars {
@@ -28,14 +29,25 @@ pub struct Stack {
     pub values: Vec<f64>,
 }
 
-/// Size of the page, pixels.
+/// Size of the page, points.
 const SIZE: (f64, f64) = (900.0, 500.0);
+/// Largest number of bars: more of them would be thinner than a point.
+const MAX_BARS: usize = 800;
 /// Frame of the bars below a legend of one row.
 const FRAME: Frame = Frame { left: 72.0, right: 880.0, top: 92.0, bottom: 452.0 };
 
+/// Refuses a chart of too many bars.
+pub fn check(count: usize) -> Result<()> {
+    let what = "the number of bars of a chart (choose fewer with {from} and {to}, or a longer {every})";
+    match count > MAX_BARS {
+        true => Err(Error::Limit { what: what.into(), value: count as u64, max: MAX_BARS as u64 }),
+        false => Ok(()),
+    }
+}
+
 impl Bars {
-    /// Returns the picture as SVG.
-    pub fn svg(&self) -> String {
+    /// Returns the picture.
+    pub fn drawing(&self) -> Drawing {
         let count = self.labels.len().max(1) as f64;
         let side = |bar: usize, is_up: bool| {
             let heights = self.stacks.iter().map(|stack| self.height(stack, bar));
@@ -50,47 +62,44 @@ impl Bars {
         let middle = |(bar, label): (usize, &String)| ((bar as f64 + 0.5) / count, label.clone());
         let labels: Vec<(f64, String)> = self.labels.iter().enumerate().map(middle).collect();
 
-        let lower = self.legend(&mut Svg::new(SIZE.0, SIZE.1));
+        let lower = self.legend(&mut Drawing::new(SIZE.0, SIZE.1));
         let frame = Frame { top: FRAME.top + lower, bottom: FRAME.bottom + lower, ..FRAME };
-        let mut page = Svg::new(SIZE.0, SIZE.1 + lower);
+        let mut page = Drawing::new(SIZE.0, SIZE.1 + lower);
         page.heading(&self.title, &self.called);
         page.axis(&frame, Axis::Left, &ticks, true);
         page.axis(&frame, Axis::Below, &labels, false);
         let gap = if count > 60.0 { 0.0 } else { 0.14 };
+        // Bars without a gap touch.
+        let draw = if gap > 0.0 { Drawing::rectangle } else { Drawing::cell };
         for bar in 0..self.labels.len() {
             let [from, to] = [bar as f64 + gap, (bar + 1) as f64 - gap].map(|at| at / count);
             let (mut below, mut above) = (zero, zero);
             for stack in &self.stacks {
                 let share = self.height(stack, bar) / whole;
                 if share > 0.0 {
-                    page.rectangle([frame.at(from, below + share), frame.at(to, below)], stack.colour);
+                    draw(&mut page, [frame.at(from, below + share), frame.at(to, below)], stack.colour);
                     below += share;
                 } else if share < 0.0 {
-                    page.rectangle([frame.at(from, above), frame.at(to, above + share)], stack.colour);
+                    draw(&mut page, [frame.at(from, above), frame.at(to, above + share)], stack.colour);
                     above += share;
                 }
             }
         }
-        page.line(&[frame.at(0.0, zero), frame.at(1.0, zero)], 1.0, BLACK);
+        page.line(&[frame.at(0.0, zero), frame.at(1.0, zero)], 1.0, INK);
         self.legend(&mut page);
-        page.finish()
+        page
     }
 
     /// Draws the unit, and the names of the visible parts, in rows above the bars; returns the
-    /// height of all rows but the first, pixels.
-    fn legend(&self, page: &mut Svg) -> f64 {
-        let y = FRAME.top - 18.0;
-        page.text(&self.unit, (16.0, y), LETTERS, Side::Left, BLACK);
-        let x = 36.0 + LETTERS * wide(&self.unit);
+    /// height of all rows but the first, points.
+    fn legend(&self, page: &mut Drawing) -> f64 {
+        let (y, unit) = (FRAME.top - 18.0, printed(&self.unit));
+        page.text(&unit, (MARGIN, y), LETTERS, Side::Left, INK);
+        let x = MARGIN + 20.0 + LETTERS.width(&unit);
         let bars = 0..self.labels.len();
         let is_there = |stack: &&Stack| bars.clone().any(|bar| self.height(stack, bar) != 0.0);
-        let there = || self.stacks.iter().filter(is_there);
-        let names: Vec<&str> = there().map(|stack| stack.name.as_str()).collect();
-        let places = page.legend((x, y), &names);
-        for (stack, (x, y)) in there().zip(&places) {
-            page.rectangle([(*x, y - 6.0), (x + SWATCH, y + 6.0)], stack.colour);
-        }
-        places.last().map_or(0.0, |last| last.1 - y)
+        let there = self.stacks.iter().filter(is_there);
+        page.swatches((x, y), &there.map(|stack| (stack.name.as_str(), stack.colour)).collect::<Vec<_>>())
     }
 
     /// Returns the height of a part of a bar; a value that is no number has none.
@@ -118,7 +127,7 @@ mod tests {
             stacks: vec![stack([30.0, -5.0, 50.0]), stack([12.5, 40.0, f64::NAN])],
             scale: ColourScale::FromZero,
         };
-        let svg = bars.svg();
+        let svg = bars.drawing().svg();
         assert!(!svg.contains("<script") && svg.matches("a&lt;script&gt;").count() == 6, "{svg}");
         let number = |line: &str, name: &str| -> f64 {
             let rest = line.split_once(&format!(" {name}=\"")).expect("an attribute").1;
@@ -149,7 +158,7 @@ mod tests {
             stacks: (1..=8).map(stack).collect(),
             scale: ColourScale::FromZero,
         };
-        let svg = bars.svg();
+        let svg = bars.drawing().svg();
         let ys = |of: &str| -> Vec<f64> {
             let lines = svg.lines().filter(|line| line.starts_with(of));
             let y = |line: &str| line.split_once(" y=\"").and_then(|rest| rest.1.split('"').next()?.parse().ok());
@@ -176,7 +185,7 @@ mod tests {
             stacks: vec![stack([40.0, 0.0], [1, 2, 3]), stack([0.0, -10.0], [3, 2, 1])],
             scale: ColourScale::AroundZero,
         };
-        let svg = bars.svg();
+        let svg = bars.drawing().svg();
         let of = |colour: &str| {
             let line = svg.lines().find(|line| line.starts_with("<rect") && line.contains(colour)).expect("a bar");
             ["y", "height"].map(|name| {

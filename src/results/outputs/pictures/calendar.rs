@@ -1,9 +1,9 @@
 //! Spells of a year by day and time of day. In: spells of some series on days. Out: SVG: days from
 //! left to right, hours upwards, a colour for each series.
 
-use super::canvas::{Rgb, Side};
+use super::axes::{Axis, Frame, LETTERS};
+use super::drawing::{Drawing, INK, Rgb, Side, WHITE};
 use super::plot::COLOURS;
-use super::svg::{Axis, BLACK, Frame, LETTERS, SWATCH, Svg};
 use heliotile_core::weather::time::calendar::Date;
 use heliotile_sunlight::Spell;
 
@@ -23,8 +23,7 @@ pub struct CalendarDay {
     pub date: Date,
     /// Spells with the sun up, by the clock.
     pub up: Vec<Spell>,
-    /// Spells of the series. They are drawn from the last to the first, so that the first series
-    /// lies on top.
+    /// Spells of the series. The first series lies on top.
     pub spells: Vec<CalendarSpell>,
 }
 
@@ -36,8 +35,8 @@ pub struct CalendarSpell {
     pub spell: Spell,
 }
 
-/// Size of the page, pixels.
-const SIZE: (f64, f64) = (900.0, 560.0);
+/// Size of the page, points.
+const SIZE: (f64, f64) = (900.0, 550.0);
 const FRAME: Frame = Frame { left: 72.0, right: 880.0, top: 70.0, bottom: 460.0 };
 /// Position at which the legend begins.
 const LEGEND: (f64, f64) = (72.0, 506.0);
@@ -49,15 +48,12 @@ const OTHERS_NAME: &str = "others";
 /// Name in the legend of a series without a name.
 const UNKNOWN: &str = "unknown";
 
-/// Overlap of a bar with the next one, pixels: it avoids white lines in between.
-const OVERLAP: f64 = 0.4;
-
 const DAY_MIN: f64 = 1440.0;
 const HOUR_MIN: f64 = 60.0;
 
 impl Calendar {
-    /// Returns the picture as SVG.
-    pub fn svg(&self) -> String {
+    /// Returns the picture.
+    pub fn drawing(&self) -> Drawing {
         let x = |day: usize| day as f64 / self.days.len().max(1) as f64;
         // The axis has whole hours from the first sunrise to the last sunset.
         let up = || self.days.iter().flat_map(|day| &day.up);
@@ -66,37 +62,37 @@ impl Calendar {
         let low = (first / HOUR_MIN).floor().clamp(0.0, 23.0);
         let high = (last / HOUR_MIN).ceil().clamp(low + 1.0, 25.0);
         let y = |minutes: f64| ((minutes / HOUR_MIN - low) / (high - low)).clamp(0.0, 1.0);
-        let mut page = Svg::new(SIZE.0, SIZE.1);
+        let named = self.series.iter().take(COLOURS.len()).map(|name| if name.is_empty() { UNKNOWN } else { name });
+        let others = (self.series.len() > COLOURS.len()).then_some(OTHERS_NAME);
+        let names = named.chain(others).enumerate().map(|(number, name)| (name, colour_of(number)));
+        let names: Vec<(&str, Rgb)> = names.collect();
+        let more = Drawing::new(SIZE.0, SIZE.1).swatches(LEGEND, &names);
+        let mut page = Drawing::new(SIZE.0, SIZE.1 + more);
         page.heading(&self.title, &self.called);
-        let bar = |page: &mut Svg, day: usize, spell: &Spell, colour: Rgb| {
+        let bar = |page: &mut Drawing, day: usize, spell: &Spell, colour: Rgb| {
             let (left, top) = FRAME.at(x(day), y(spell.end_min));
             let (right, bottom) = FRAME.at(x(day + 1), y(spell.start_min));
-            page.rectangle([(left, top), ((right + OVERLAP).min(FRAME.right), bottom)], colour);
+            page.cell([(left, top), (right, bottom)], colour);
         };
         page.rectangle([(FRAME.left, FRAME.top), (FRAME.right, FRAME.bottom)], NIGHT);
         for (number, day) in self.days.iter().enumerate() {
-            day.up.iter().for_each(|spell| bar(&mut page, number, spell, super::svg::WHITE));
+            day.up.iter().for_each(|spell| bar(&mut page, number, spell, WHITE));
         }
         let hours = (low as usize..=high as usize).step_by(2);
         let hours: Vec<(f64, String)> = hours.map(|hour| (y(hour as f64 * HOUR_MIN), format!("{hour}:00"))).collect();
         page.axis(&FRAME, Axis::Left, &hours, true);
         page.axis(&FRAME, Axis::Below, &self.marks(), true);
+        let mut spells: Vec<(usize, &CalendarSpell)> = Vec::new();
         for (number, day) in self.days.iter().enumerate() {
-            for CalendarSpell { series, spell } in day.spells.iter().rev() {
-                bar(&mut page, number, spell, colour_of(*series));
-            }
+            spells.extend(day.spells.iter().map(|spell| (number, spell)));
         }
-        let named = self.series.iter().take(COLOURS.len()).map(|name| if name.is_empty() { UNKNOWN } else { name });
-        let others = (self.series.len() > COLOURS.len()).then_some(OTHERS_NAME);
-        let names: Vec<&str> = named.chain(others).collect();
-        for (number, (left, middle)) in page.legend(LEGEND, &names).into_iter().enumerate() {
-            let half = 0.4 * LETTERS;
-            page.rectangle([(left, middle - half), (left + SWATCH, middle + half)], colour_of(number));
-        }
+        spells.sort_by_key(|(_, one)| std::cmp::Reverse(one.series));
+        spells.iter().for_each(|(day, one)| bar(&mut page, *day, &one.spell, colour_of(one.series)));
+        page.swatches(LEGEND, &names);
         if names.is_empty() {
-            page.text("no sun in mirrors", LEGEND, LETTERS, Side::Left, BLACK);
+            page.text("no sun in mirrors", LEGEND, LETTERS, Side::Left, INK);
         }
-        page.finish()
+        page
     }
 
     /// Returns the marks of the time axis: first days of months, or all days if there are few.
@@ -135,10 +131,10 @@ mod tests {
             series: vec!["a".into(), String::new()],
             days: vec![day(20), day(21)],
         };
-        let svg = calendar.svg();
+        let svg = calendar.drawing().svg();
         let rects: Vec<&str> = svg.lines().filter(|line| line.starts_with("<rect")).collect();
         assert_eq!(rects.len(), 1 + 1 + 2 + 2 + 2);
-        assert!(rects[4].contains("height=\"32.5\"") && rects[4].contains("width=\"404.4\""), "{}", rects[4]);
+        assert!(rects[4].contains("height=\"32.5\"") && rects[4].contains("width=\"404\""), "{}", rects[4]);
         assert!(svg.contains(">unknown</text>") && svg.contains(">03-20</text>") && !svg.contains("<i>"));
     }
 }

@@ -1,10 +1,9 @@
 //! Hours of the day by month or day, as a heat map. In: a value for each hour of each column. Out:
 //! SVG in the page's colours.
 
-use super::canvas::Side;
-use super::colours::{ColourScale, STEPS};
-use super::scale::words;
-use super::svg::{Axis, BLACK, Frame, LETTERS, Svg};
+use super::axes::{Axis, Frame};
+use super::colours::ColourScale;
+use super::drawing::Drawing;
 
 /// Number of hours in a day.
 pub const HOURS: usize = 24;
@@ -22,28 +21,25 @@ pub struct Carpet {
     pub scale: ColourScale,
 }
 
-/// Size of the page, pixels.
+/// Size of the page, points.
 const SIZE: (f64, f64) = (900.0, 540.0);
 /// Frame of the hours.
 const FRAME: Frame = Frame { left: 72.0, right: 880.0, top: 70.0, bottom: 430.0 };
 const LEGEND: Frame = Frame { left: 72.0, right: 584.0, top: 478.0, bottom: 494.0 };
 
 impl Carpet {
-    /// Returns the picture as SVG.
-    pub fn svg(&self) -> String {
+    /// Returns the picture.
+    pub fn drawing(&self) -> Drawing {
         let values = self.columns.iter().flatten().flatten().copied().filter(|value| value.is_finite());
         let ends = self.scale.ticks(values.map(|value| self.scale.reach(value as f32).into()).fold(0.0, f64::max));
         let top = ends.last().copied().unwrap_or(1.0);
-        let least = self.scale.least(top);
-        let share = |tick: f64| (tick - least) / (top - least);
-        let ends: Vec<(f64, String)> = ends.into_iter().map(|tick| (share(tick), words(tick))).collect();
         let x = |column: f64| column / self.columns.len().max(1) as f64;
         let y = |hour: usize| hour as f64 / HOURS as f64;
         let hours: Vec<(f64, String)> = (0..=HOURS).step_by(6).map(|hour| (y(hour), format!("{hour}:00"))).collect();
         let middle = |(column, label): (usize, &String)| (x(column as f64 + 0.5), label.clone());
         let labels: Vec<(f64, String)> = self.labels.iter().enumerate().map(middle).collect();
 
-        let mut page = Svg::new(SIZE.0, SIZE.1);
+        let mut page = Drawing::new(SIZE.0, SIZE.1);
         page.heading(&self.title, &self.called);
         page.axis(&FRAME, Axis::Left, &hours, true);
         page.axis(&FRAME, Axis::Below, &labels, false);
@@ -52,24 +48,17 @@ impl Carpet {
                 let Some(value) = value else { continue };
                 let colour = self.scale.on_paper((value / top) as f32);
                 let (left, right) = (x(column as f64), x((column + 1) as f64));
-                page.rectangle([FRAME.at(left, y(hour + 1)), FRAME.at(right, y(hour))], colour);
+                page.cell([FRAME.at(left, y(hour + 1)), FRAME.at(right, y(hour))], colour);
             }
         }
-        page.colours(&LEGEND, STEPS, |step| self.scale.of_legend(step));
-        page.axis(&LEGEND, Axis::Below, &ends, false);
-        let beside = LEGEND.at(1.0, 0.5);
-        if let Some([low, high]) = self.scale.ends() {
-            page.text(low, (LEGEND.left, LEGEND.top - 10.0), LETTERS, Side::Left, BLACK);
-            page.text(high, (LEGEND.right, LEGEND.top - 10.0), LETTERS, Side::Right, BLACK);
-        }
-        page.text("W/m2", (beside.0 + 40.0, beside.1), LETTERS, Side::Left, BLACK);
-        page.finish()
+        page.colour_scale(&LEGEND, self.scale, &ends, "W/m\u{b2}", 0.0);
+        page
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::colours::viridis;
+    use super::super::colours::{STEPS, viridis};
     use super::*;
 
     /// With 2 columns and 3 known hours, 3 rectangles stand beside the page's and the legend's 256,
@@ -85,7 +74,7 @@ mod tests {
             columns,
             scale: ColourScale::FromZero,
         };
-        let svg = carpet.svg();
+        let svg = carpet.drawing().svg();
         assert!(svg.contains(">500</text>") && !svg.contains(">600</text>"), "{svg}");
         let rects: Vec<&str> = svg.lines().filter(|line| line.starts_with("<rect")).collect();
         assert_eq!(rects.len(), 1 + 3 + STEPS);

@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use super::canvas::Rgb;
+use super::drawing::Rgb;
 use super::scale::round_steps;
 use heliotile_core::replay::components::Component;
 
@@ -64,7 +64,7 @@ pub fn inferno(share: f32) -> Rgb {
 }
 
 /// Returns the colour at a share from 0 to 1 of the way along `stops`, linear between them.
-fn between(stops: &[[f32; 3]], share: f32) -> Rgb {
+pub fn between(stops: &[[f32; 3]], share: f32) -> Rgb {
     let place = share.clamp(0.0, 1.0) * (stops.len() - 1) as f32;
     let low = (place as usize).min(stops.len() - 2);
     let part = place - low as f32;

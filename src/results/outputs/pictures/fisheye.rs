@@ -8,7 +8,9 @@
 
 use glam::DVec3;
 
-use crate::outputs::pictures::canvas::{Canvas, Rgb, Side};
+use super::axes::{LETTERS, MARGIN, TITLE};
+use super::drawing::{At, Drawing, INK, Image, PALE_INK, Rgb, Side, WHITE};
+use super::font::Font;
 use crate::outputs::provenance::Provenance;
 use heliotile_core::error::Result;
 use heliotile_core::replay::receiver_view::ReceiverView;
@@ -17,10 +19,10 @@ use heliotile_core::site::north::North;
 use heliotile_core::units::direction_from_degrees;
 use heliotile_core::weather::time::sun_path::{MONTHS, SunPath};
 
-/// Width and height of the picture, pixels.
-pub const SIZE: (usize, usize) = (900, 980);
+/// Width and height of the picture, points; more than a row of names makes it higher.
+const SIZE: [usize; 2] = [900, 980];
 /// Position of the zenith; `RADIUS` is the distance of the horizon from it.
-const CENTRE: (f64, f64) = (450.0, 500.0);
+const CENTRE: At = (450.0, 500.0);
 const RADIUS: f64 = 390.0;
 
 /// Colour of open sky.
@@ -35,16 +37,15 @@ pub const GROUND: Rgb = [196, 172, 132];
 pub const MIRROR: Rgb = [126, 158, 186];
 /// Colour of directions behind the receiver's own surface.
 pub const BEHIND: Rgb = [236, 234, 228];
-const PAPER: Rgb = [255, 255, 255];
 const GRID: Rgb = [140, 150, 162];
-const INK: Rgb = [30, 30, 40];
 const DAY: Rgb = [178, 46, 0];
 const HIDDEN: Rgb = [120, 96, 90];
 const HOUR: Rgb = [228, 126, 10];
 const SUN: Rgb = [255, 220, 0];
 
-/// Largest number of characters of the receiver's name that fit.
-const NAME: usize = 60;
+/// Letters of the points of the compass; `SMALL` are those on the view.
+const COMPASS: Font = Font::bold(15.0);
+const SMALL: Font = Font::new(12.0);
 
 /// Drawings over the view.
 #[derive(Default)]
@@ -80,23 +81,27 @@ pub fn fisheye(view: &ReceiverView, overlay: &Overlay, provenance: &Provenance) 
         (Seen::Ground | Seen::Obstruction | Seen::Mirror, Some(tint)) => (tint.at)(direction),
         (seen, _) => colour_of(seen),
     };
-    let paint = |x: f64, y: f64| at(x, y).map_or(PAPER, colour);
-    let mut canvas = Canvas::painted(SIZE.0, SIZE.1, paint);
-    draw_grid(&mut canvas, overlay.north);
+    let names = names(view, overlay);
+    let [width, height] = SIZE.map(|side| side as f64);
+    let more = Drawing::new(width, height).swatches((MARGIN, 0.0), &names);
+    let mut page = Drawing::new(width, height + more);
+    page.image((0.0, 0.0), Image::painted(SIZE, |x, y| at(x, y).map_or(WHITE, colour)));
+    draw_grid(&mut page, overlay.north);
     if let Some((path, _)) = &overlay.path {
-        draw_path(&mut canvas, &disc, path, overlay.north);
+        draw_path(&mut page, &disc, path, overlay.north);
     }
     if let Some(sun) = overlay.sun.filter(|sun| sun.z >= 0.0) {
         let sun = overlay.north.to_axes(sun);
-        canvas.dot(place_of(sun), 8.0, INK);
-        canvas.dot(place_of(sun), 6.5, SUN);
+        page.dot(place_of(sun), 8.0, INK);
+        page.dot(place_of(sun), 6.5, SUN);
     }
-    draw_words(&mut canvas, view, overlay);
-    canvas.png(provenance.ascii())
+    draw_words(&mut page, view, overlay);
+    page.swatches((MARGIN, LEGEND_Y), &names);
+    page.png_file(provenance)
 }
 
 /// Returns the position in the picture of a direction above the horizon: x to the right, y down.
-pub fn place_of(direction: DVec3) -> (f64, f64) {
+pub fn place_of(direction: DVec3) -> At {
     let (x, y) = SkyDisc::place_of(direction);
     (CENTRE.0 + RADIUS * x, CENTRE.1 - RADIUS * y)
 }
@@ -114,42 +119,39 @@ pub(super) fn colour_of(seen: Seen) -> Rgb {
 }
 
 /// Draws altitude rings every 15 degrees and azimuth rays every 30, from true north.
-fn draw_grid(canvas: &mut Canvas, north: North) {
+fn draw_grid(page: &mut Drawing, north: North) {
     for altitude in [15.0, 30.0, 45.0, 60.0, 75.0] {
-        canvas.ring(CENTRE, RADIUS * (1.0 - altitude / 90.0), 0.7, GRID);
+        page.ring(CENTRE, RADIUS * (1.0 - altitude / 90.0), 0.7, GRID);
         let at = (CENTRE.0 + 4.0, CENTRE.1 - RADIUS * (1.0 - altitude / 90.0) - 7.0);
-        canvas.word(&format!("{altitude}\u{b0}"), at, Side::Left, INK);
+        page.text(&format!("{altitude}\u{b0}"), at, SMALL, Side::Left, INK);
     }
     for azimuth in (0..360).step_by(30) {
         let ray = |altitude| place_of(north.to_axes(direction_from_degrees(f64::from(azimuth), altitude)));
-        canvas.line(&[ray(75.0), ray(0.0)], 0.7, GRID);
+        page.line(&[ray(75.0), ray(0.0)], 0.7, GRID);
         let (sin, cos) = (f64::from(azimuth) - north.y_deg()).to_radians().sin_cos();
         let at = (CENTRE.0 + (RADIUS + 20.0) * sin, CENTRE.1 - (RADIUS + 16.0) * cos);
-        match azimuth {
-            0 => canvas.headline("N", at, Side::Center, INK),
-            90 => canvas.headline("E", at, Side::Center, INK),
-            180 => canvas.headline("S", at, Side::Center, INK),
-            270 => canvas.headline("W", at, Side::Center, INK),
-            _ => canvas.word(&format!("{azimuth}\u{b0}"), at, Side::Center, INK),
+        match azimuth % 90 {
+            0 => page.text(["N", "E", "S", "W"][azimuth as usize / 90], at, COMPASS, Side::Center, INK),
+            _ => page.text(&format!("{azimuth}\u{b0}"), at, SMALL, Side::Center, INK),
         }
     }
-    canvas.ring(CENTRE, RADIUS, 1.3, INK);
+    page.ring(CENTRE, RADIUS, 1.3, INK);
 }
 
 /// Draws paths of the sun, thick if the sun is visible, thin and grey if it is hidden.
-fn draw_path(canvas: &mut Canvas, disc: &SkyDisc, path: &SunPath, north: North) {
+fn draw_path(page: &mut Drawing, disc: &SkyDisc, path: &SunPath, north: North) {
     let turned = |lines: &[Vec<DVec3>]| -> Vec<Vec<DVec3>> {
         lines.iter().map(|line| line.iter().map(|&sun| north.to_axes(sun)).collect()).collect()
     };
     let (hours, days) = (turned(&path.hours), turned(&path.days));
-    hours.iter().for_each(|hour| draw_sky_line(canvas, hour, 0.7, HOUR));
+    hours.iter().for_each(|hour| draw_sky_line(page, hour, 0.7, HOUR));
     let is_seen = |sun: &DVec3| matches!(disc.seen(*sun), Seen::Sky | Seen::Canopy);
     for day in &days {
         day.chunk_by(|a, b| is_seen(a) == is_seen(b)).fold(None, |before: Option<DVec3>, run| {
             // Each run begins at the last point of the one before, so that there are no gaps.
             let line: Vec<DVec3> = before.into_iter().chain(run.iter().copied()).collect();
             let (thick, colour) = if run.first().is_some_and(is_seen) { (1.8, DAY) } else { (0.8, HIDDEN) };
-            draw_sky_line(canvas, &line, thick, colour);
+            draw_sky_line(page, &line, thick, colour);
             run.last().copied()
         });
     }
@@ -160,14 +162,14 @@ fn draw_path(canvas: &mut Canvas, disc: &SkyDisc, path: &SunPath, north: North) 
             let (x, y) = place_of(top);
             let inwards = 13.0 / (CENTRE.0 - x).hypot(CENTRE.1 - y).max(13.0);
             let at = (x + (CENTRE.0 - x) * inwards, y + (CENTRE.1 - y) * inwards);
-            canvas.word(&hour.to_string(), at, Side::Center, DAY);
+            page.text(&hour.to_string(), at, SMALL, Side::Center, DAY);
         }
     }
     for (day, (_, _, name)) in days.iter().zip(MONTHS) {
         // The name stands beside the sun shortly before it sets.
         if let Some(two) = day.windows(2).rev().find(|two| two[0].z >= NAMED_Z && two[1].z < NAMED_Z) {
             let (x, y) = place_of(two[0]);
-            canvas.word(name, (x + 9.0, y - 9.0), Side::Left, DAY);
+            page.text(name, (x + 9.0, y - 9.0), SMALL, Side::Left, DAY);
         }
     }
 }
@@ -176,8 +178,8 @@ fn draw_path(canvas: &mut Canvas, disc: &SkyDisc, path: &SunPath, north: North) 
 const NAMED_Z: f64 = 0.1;
 
 /// Draws the part of a line above the horizon.
-fn draw_sky_line(canvas: &mut Canvas, line: &[DVec3], thick: f64, colour: Rgb) {
-    let mut run: Vec<(f64, f64)> = Vec::new();
+fn draw_sky_line(page: &mut Drawing, line: &[DVec3], thick: f64, colour: Rgb) {
+    let mut run: Vec<At> = Vec::new();
     for two in line.windows(2) {
         let (a, b) = (two[0], two[1]);
         let crossing = || place_of(a.lerp(b, a.z / (a.z - b.z)));
@@ -186,57 +188,48 @@ fn draw_sky_line(canvas: &mut Canvas, line: &[DVec3], thick: f64, colour: Rgb) {
             (false, true) => run.extend([crossing(), place_of(b)]),
             (true, false) => {
                 run.extend([place_of(a), crossing()]);
-                canvas.line(&std::mem::take(&mut run), thick, colour);
+                page.line(&std::mem::take(&mut run), thick, colour);
             }
             (false, false) => {}
         }
     }
-    canvas.line(&run, thick, colour);
+    page.line(&run, thick, colour);
 }
 
-fn draw_words(canvas: &mut Canvas, view: &ReceiverView, overlay: &Overlay) {
-    let receiver = &view.receiver;
-    let name: String = receiver.id.chars().take(NAME).collect();
-    canvas.headline(&name, (20.0, 22.0), Side::Left, INK);
+/// Vertical position of the first row of names, points.
+const LEGEND_Y: f64 = SIZE[1] as f64 - 40.0;
+
+/// Returns the names of colours.
+fn names<'a>(view: &ReceiverView, overlay: &'a Overlay) -> Vec<(&'a str, Rgb)> {
+    let own = overlay.tint.iter().flat_map(|tint| &tint.names).map(|(name, colour)| (name.as_str(), *colour));
+    let surfaces = [("obstruction", OBSTRUCTION), ("ground", GROUND)];
+    let mirror = view.has_mirrors().then_some(("mirror", MIRROR));
+    let classes = surfaces.into_iter().chain(mirror).filter(|_| overlay.tint.is_none());
+    [("sky", SKY)].into_iter().chain(own).chain(classes).chain([("behind the surface", BEHIND)]).collect()
+}
+
+fn draw_words(page: &mut Drawing, view: &ReceiverView, overlay: &Overlay) {
+    let (receiver, right) = (&view.receiver, page.size.0 - MARGIN);
+    page.text(&receiver.id, (MARGIN, 22.0), TITLE, Side::Left, INK);
     let n = receiver.normal;
     let azimuth = overlay.north.azimuth_deg(n);
     let tilt = n.z.clamp(-1.0, 1.0).acos().to_degrees();
     let towards = if n.x.hypot(n.y) < 1e-6 { String::new() } else { format!(" towards {azimuth:.0}\u{b0}") };
     let at = receiver.position;
     let place = format!("at {:.2}, {:.2}, {:.2} m, tilted {tilt:.0}\u{b0}{towards}", at.x, at.y, at.z);
-    canvas.word(&place, (20.0, 42.0), Side::Left, INK);
     let [sky, ground, obstruction] = view.views;
     let shares = format!("view factors: sky {sky:.3}, ground {ground:.3}, obstructions {obstruction:.3}");
-    canvas.word(&shares, (20.0, 59.0), Side::Left, INK);
-    for (line, y) in overlay.sun_hours.iter().zip([76.0, 93.0]) {
-        canvas.word(line, (20.0, y), Side::Left, DAY);
+    for (line, y) in [place, shares].iter().zip([43.0, 60.0]) {
+        page.text(line, (MARGIN, y), LETTERS, Side::Left, INK);
     }
-    let right = SIZE.0 as f64 - 20.0;
+    for (line, y) in overlay.sun_hours.iter().zip([77.0, 94.0]) {
+        page.text(line, (MARGIN, y), LETTERS, Side::Left, DAY);
+    }
     let seen = if overlay.north.is_y() { "seen on a map: east is right" } else { "seen on a plan: x is right" };
-    canvas.word(seen, (right, 42.0), Side::Right, INK);
-    canvas.word("equidistant: rings of altitude", (right, 59.0), Side::Right, INK);
-    let low = SIZE.1 as f64 - 22.0;
-    let mirrors = view.has_mirrors().then_some((MIRROR, "mirror", 423.0));
-    let classes = [
-        (SKY, "sky", 0.0),
-        (OBSTRUCTION, "obstruction", 62.0),
-        (GROUND, "ground", 182.0),
-        (BEHIND, "behind the surface", 268.0),
-    ];
-    let is_shown = |colour: Rgb| overlay.tint.is_none() || colour == SKY || colour == BEHIND;
-    for (colour, what, from) in classes.into_iter().chain(mirrors).filter(|class| is_shown(class.0)) {
-        let x = 20.0 + from;
-        canvas.square((x, low - 6.0), 13.0, INK);
-        canvas.square((x + 1.0, low - 5.0), 11.0, colour);
-        canvas.word(what, (x + 18.0, low), Side::Left, INK);
-    }
-    for (i, (name, colour)) in overlay.tint.iter().flat_map(|tint| &tint.names).take(TINTS).enumerate() {
-        let (x, y) = (20.0 + 216.0 * (i % 4) as f64, low - 18.0 * (2.0 - (i / 4) as f64));
-        canvas.square((x, y - 6.0), 13.0, INK);
-        canvas.square((x + 1.0, y - 5.0), 11.0, *colour);
-        canvas.word(&name.chars().take(26).collect::<String>(), (x + 18.0, y), Side::Left, INK);
+    for (line, y) in [seen, "equidistant: rings of altitude"].iter().zip([43.0, 60.0]) {
+        page.text(line, (right, y), LETTERS, Side::Right, PALE_INK);
     }
     if let Some((_, clock)) = &overlay.path {
-        canvas.word(clock, (right, low), Side::Right, DAY);
+        page.text(clock, (right, 77.0), LETTERS, Side::Right, DAY);
     }
 }

@@ -9,9 +9,11 @@ use std::f64::consts::FRAC_PI_2;
 
 use glam::DVec3;
 
-use crate::outputs::pictures::canvas::{Canvas, Rgb, Side};
-use crate::outputs::pictures::colours::inferno;
-use crate::outputs::pictures::fisheye::colour_of;
+use super::axes::{Axis, Frame as Bar, LETTERS, MARGIN, TITLE};
+use super::colours::{STEPS, inferno};
+use super::drawing::{Drawing, INK, Image, PALE_INK, Rgb, Side, WHITE};
+use super::fisheye::colour_of;
+use super::font::Font;
 use crate::outputs::provenance::Provenance;
 use heliotile_core::error::Result;
 use heliotile_core::hemisphere::{Frame, texel_of};
@@ -21,8 +23,6 @@ use heliotile_core::replay::seen::SkyDisc;
 use heliotile_core::site::north::North;
 use heliotile_core::units::direction_from_degrees;
 
-const PAPER: Rgb = [255, 255, 255];
-const INK: Rgb = [30, 30, 40];
 /// Colour of letters on top of radiances.
 const INSIDE: Rgb = [150, 220, 230];
 const SUN: Rgb = [90, 220, 255];
@@ -34,7 +34,9 @@ const RADIUS: f64 = 150.0;
 const MIDDLE: (f64, f64) = (170.0, 208.0);
 /// Space above the six pictures; `FOOT` is the space below.
 const HEAD: f64 = 60.0;
-const FOOT: f64 = 70.0;
+const FOOT: f64 = 80.0;
+/// Letters above each picture.
+const CAPTION: Font = Font::bold(14.0);
 
 /// Ends of the scale, W/(m2 sr): from the ground on a dark day to the sky round the sun.
 const DARKEST: f64 = 0.1;
@@ -90,7 +92,7 @@ impl Radiances<'_> {
         [0.0, on_texel("sun_reflected"), mirrored.unwrap_or(0.0), on_texel("sky_reflected")]
     }
 
-    /// Returns the irradiance from all texels of a channel, W/m2.
+    /// Returns the irradiance from all texels of a channel, W/m\u{b2}.
     fn sum(&self, map: &str, channel: &str) -> f64 {
         let (Some((_, values)), Some((_, weights))) = (self.channel(map, channel), self.channel(map, "weight_sr"))
         else {
@@ -108,11 +110,11 @@ pub fn panel(view: &ReceiverView, maps: &[Map], sun: &PanelSun, north: North, ab
     let paint = |x: f64, y: f64| {
         let (column, row) = ((x / CELL.0).floor(), ((y - HEAD) / CELL.1).floor());
         if !(0.0..2.0).contains(&row) {
-            return PAPER;
+            return WHITE;
         }
         let picture = (row * 3.0 + column) as usize;
         let at = (x - column * CELL.0 - MIDDLE.0, y - HEAD - row * CELL.1 - MIDDLE.1);
-        let Some(direction) = direction_at(&radiances.frame, at) else { return PAPER };
+        let Some(direction) = direction_at(&radiances.frame, at) else { return WHITE };
         if picture == 0 {
             return colour_of(disc.seen(direction));
         }
@@ -125,25 +127,30 @@ pub fn panel(view: &ReceiverView, maps: &[Map], sun: &PanelSun, north: North, ab
             _ => sky + of_sun + mirrored + of_sky,
         })
     };
-    let mut canvas = Canvas::painted(width as usize, height as usize, paint);
+    let mut page = Drawing::new(width, height);
+    page.image((0.0, 0.0), Image::painted([width as usize, height as usize], paint));
     let irradiances = [
         String::new(),
-        format!("{:.1} W/m2, the sun {:.1}", radiances.sum("sky", "sky_direct"), radiances.sum("sky", "sun_direct")),
-        format!("{:.1} W/m2", radiances.sum("hit", "sun_reflected")),
         format!(
-            "{:.1} W/m2, the sun {:.1}",
+            "{:.1} W/m\u{b2}, the sun {:.1}",
+            radiances.sum("sky", "sky_direct"),
+            radiances.sum("sky", "sun_direct")
+        ),
+        format!("{:.1} W/m\u{b2}", radiances.sum("hit", "sun_reflected")),
+        format!(
+            "{:.1} W/m\u{b2}, the sun {:.1}",
             radiances.sum("mirror", "sky_mirrored"),
             radiances.sum("mirror", "sun_mirrored")
         ),
-        format!("{:.1} W/m2", radiances.sum("hit", "sky_reflected")),
-        format!("{:.1} W/m2", total(&radiances)),
+        format!("{:.1} W/m\u{b2}", radiances.sum("hit", "sky_reflected")),
+        format!("{:.1} W/m\u{b2}", total(&radiances)),
     ];
     for (picture, (title, irradiance)) in TITLES.iter().zip(&irradiances).enumerate() {
         let (left, top) = ((picture % 3) as f64 * CELL.0, HEAD + (picture / 3) as f64 * CELL.1);
         let middle = (left + MIDDLE.0, top + MIDDLE.1);
-        canvas.ring(middle, RADIUS, 1.3, INK);
-        canvas.headline(title, (left + MIDDLE.0, top + 12.0), Side::Center, INK);
-        canvas.word(irradiance, (left + MIDDLE.0, top + 28.0), Side::Center, INK);
+        page.ring(middle, RADIUS, 1.3, INK);
+        page.text(title, (left + MIDDLE.0, top + 12.0), CAPTION, Side::Center, INK);
+        page.text(irradiance, (left + MIDDLE.0, top + 30.0), LETTERS, Side::Center, INK);
         for (azimuth, name) in [(0.0, "N"), (90.0, "E"), (180.0, "S"), (270.0, "W")] {
             let way = north.to_axes(direction_from_degrees(azimuth, 0.0));
             if radiances.frame.to_local(way).z > -1e-6 {
@@ -151,17 +158,17 @@ pub fn panel(view: &ReceiverView, maps: &[Map], sun: &PanelSun, north: North, ab
                 let length = x.hypot(y).max(1.0);
                 let (scale, ink) = if length > RADIUS - 2.0 { ((RADIUS + 9.0) / length, INK) } else { (1.0, INSIDE) };
                 let ink = if picture == 0 { INK } else { ink };
-                canvas.word(name, (middle.0 + x * scale, middle.1 + y * scale), Side::Center, ink);
+                page.text(name, (middle.0 + x * scale, middle.1 + y * scale), LETTERS, Side::Center, ink);
             }
         }
         for place in suns(&radiances, sun.direction, picture) {
             let at = (middle.0 + place.0, middle.1 + place.1);
-            canvas.dot(at, 4.5, INK);
-            canvas.dot(at, 3.0, SUN);
+            page.dot(at, 4.5, INK);
+            page.dot(at, 3.0, SUN);
         }
     }
-    draw_words(&mut canvas, view, sun, width, height);
-    canvas.png(about.ascii())
+    draw_words(&mut page, view, sun);
+    page.png_file(about)
 }
 
 fn total(radiances: &Radiances) -> f64 {
@@ -213,32 +220,23 @@ fn colour(radiance: f64) -> Rgb {
     inferno(share as f32)
 }
 
-fn draw_words(canvas: &mut Canvas, view: &ReceiverView, sun: &PanelSun, width: f64, height: f64) {
-    let receiver = &view.receiver;
-    let name: String = receiver.id.chars().take(60).collect();
-    canvas.headline(&name, (20.0, 20.0), Side::Left, INK);
+fn draw_words(page: &mut Drawing, view: &ReceiverView, sun: &PanelSun) {
+    let (width, height) = page.size;
     let [sky, ground, obstruction] = view.views;
     let shares = format!("view factors: sky {sky:.3}, ground {ground:.3}, obstructions {obstruction:.3}");
-    canvas.word(&shares, (20.0, 40.0), Side::Left, INK);
-    canvas.word(&sun.called, (width - 20.0, 20.0), Side::Right, INK);
-    canvas.word("as a camera on the surface sees it, equidistant", (width - 20.0, 40.0), Side::Right, INK);
-    let (left, top, wide) = (150.0, height - FOOT + 14.0, width - 300.0);
-    let steps = (wide / 4.0) as usize;
-    for step in 0..steps {
-        let share = step as f64 / (steps - 1).max(1) as f64;
-        (0..4).for_each(|row| {
-            let at = (left + 4.0 * step as f64, top + 4.0 * f64::from(row));
-            canvas.square(at, 4.0, inferno(share as f32));
-        });
-    }
+    page.text(&TITLE.fitted(&view.receiver.id, 0.6 * width), (MARGIN, 20.0), TITLE, Side::Left, INK);
+    page.text(&shares, (MARGIN, 42.0), LETTERS, Side::Left, INK);
+    page.text(&sun.called, (width - MARGIN, 20.0), LETTERS, Side::Right, INK);
+    let lens = "as a camera on the surface sees it, equidistant";
+    page.text(lens, (width - MARGIN, 42.0), LETTERS, Side::Right, PALE_INK);
+    let top = height - FOOT + 10.0;
+    let bar = Bar { left: 150.0, right: width - 150.0, top, bottom: top + 16.0 };
+    page.colours(&bar, STEPS, |step| inferno(step as f32 / (STEPS - 1) as f32));
     let decades = (BRIGHTEST / DARKEST).log10().round() as i32;
-    for decade in 0..=decades {
-        let x = left + wide * f64::from(decade) / f64::from(decades);
-        let value = DARKEST * 10_f64.powi(decade);
-        canvas.line(&[(x, top + 16.0), (x, top + 21.0)], 1.0, INK);
-        canvas.word(&format!("{value}"), (x, top + 30.0), Side::Center, INK);
-    }
-    canvas.word("W/(m2 sr)", (left + wide + 30.0, top + 8.0), Side::Left, INK);
+    let tick = |decade| (f64::from(decade) / f64::from(decades), format!("{}", DARKEST * 10_f64.powi(decade)));
+    page.axis(&bar, Axis::Below, &(0..=decades).map(tick).collect::<Vec<_>>(), false);
+    let (right, y) = bar.at(1.0, 0.5);
+    page.text("W/(m\u{b2} sr)", (right + 12.0, y), LETTERS, Side::Left, INK);
 }
 
 #[cfg(test)]

@@ -1,8 +1,9 @@
 //! Chart: lines and marks over two axes. In: series of points. Out: SVG.
 
-use super::canvas::{Rgb, Side};
+use super::axes::{self, Frame, LETTERS, MARGIN, SWATCH};
+use super::drawing::{At, Drawing, INK, Rgb, Side};
+use super::font::Font;
 use super::scale::Scale;
-use super::svg::{self, At, BLACK, Frame, LETTERS, SWATCH, Svg, wide};
 
 /// Chart to be drawn.
 pub struct Plot {
@@ -41,12 +42,14 @@ pub enum Style {
 /// Colours of the series in turn, by Okabe and Ito, "Color Universal Design", 2008, which
 /// colour-blind people can tell apart. Their yellow is left out: it is invisible on white.
 pub const COLOURS: [Rgb; 7] =
-    [[0, 114, 178], [213, 94, 0], [0, 158, 115], BLACK, [204, 121, 167], [230, 159, 0], [86, 180, 233]];
+    [[0, 114, 178], [213, 94, 0], [0, 158, 115], [0; 3], [204, 121, 167], [230, 159, 0], [86, 180, 233]];
 /// Colour of lines within decades.
 const MINOR: Rgb = [240, 243, 245];
 
-/// Radius of a mark, pixels.
+/// Radius of a mark, points.
 const MARK: f64 = 4.0;
+/// Letters beside points.
+const BESIDE: Font = Font::new(12.0);
 
 /// Largest number of ticks of an axis.
 const TICKS: usize = 8;
@@ -64,26 +67,27 @@ impl Plot {
         let all = || self.series.iter().flat_map(|series| &series.points).filter(held);
         let x = Scale::new(all().map(|point| point.0), self.x.log);
         let y = Scale::new(all().map(|point| point.1), self.y.log);
-        let mut page = Svg::new(width, height);
+        let mut page = Drawing::new(width, height);
         page.heading(&self.title, "");
         let coloured = || self.series.iter().zip(COLOURS.into_iter().cycle());
         let named = || coloured().filter(|(series, _)| !series.name.is_empty());
-        let swatches = page.legend((16.0, 46.0), &named().map(|(series, _)| series.name.as_str()).collect::<Vec<_>>());
+        let swatches =
+            page.legend((MARGIN, 46.0), &named().map(|(series, _)| series.name.as_str()).collect::<Vec<_>>());
         for ((series, colour), (x, y)) in named().zip(&swatches) {
             series.draw(&mut page, &[(*x, *y), (x + SWATCH, *y)], &[(x + 0.5 * SWATCH, *y)], colour);
         }
         let top = swatches.last().map_or(42.0, |(_, y)| y + 22.0);
         let y_ticks = y.ticks(TICKS);
-        let widest = y_ticks.iter().map(|(_, words)| LETTERS * wide(words)).fold(0.0, f64::max);
+        let widest = y_ticks.iter().map(|(_, words)| LETTERS.width(words)).fold(0.0, f64::max);
         let frame = Frame { left: 44.0 + widest, right: width - 24.0, top, bottom: height - 54.0 };
 
         x.minor_ticks().iter().for_each(|at| page.line(&[frame.at(*at, 0.0), frame.at(*at, 1.0)], 1.0, MINOR));
         y.minor_ticks().iter().for_each(|at| page.line(&[frame.at(0.0, *at), frame.at(1.0, *at)], 1.0, MINOR));
-        page.axis(&frame, svg::Axis::Below, &x.ticks(TICKS), true);
-        page.axis(&frame, svg::Axis::Left, &y_ticks, true);
-        page.line(&[frame.at(0.0, 1.0), frame.at(0.0, 0.0), frame.at(1.0, 0.0)], 1.0, BLACK);
-        page.text(&self.x.label, (frame.at(0.5, 0.0).0, height - 16.0), LETTERS, Side::Center, BLACK);
-        page.text_up(&self.y.label, (18.0, frame.at(0.0, 0.5).1), frame.bottom - frame.top + 16.0);
+        page.axis(&frame, axes::Axis::Below, &x.ticks(TICKS), true);
+        page.axis(&frame, axes::Axis::Left, &y_ticks, true);
+        page.line(&[frame.at(0.0, 1.0), frame.at(0.0, 0.0), frame.at(1.0, 0.0)], 1.0, INK);
+        page.text(&self.x.label, (frame.at(0.5, 0.0).0, height - 16.0), LETTERS, Side::Center, INK);
+        page.text_up(&self.y.label, (18.0, frame.at(0.0, 0.5).1), LETTERS, frame.bottom - frame.top + 16.0);
 
         // Words beside points so far, each as the positions of its left and right end.
         let mut beside = Vec::new();
@@ -94,12 +98,12 @@ impl Plot {
             let places: Vec<At> = points.iter().map(|point| frame.at(x.share(point.0), y.share(point.1))).collect();
             series.draw(&mut page, &places, &places, colour);
             for (at, label) in places.iter().zip(labels).filter(|(_, label)| !label.is_empty()) {
-                let (side, ends) = room(*at, LETTERS * wide(label), &frame, &beside);
-                page.text(label, if side == Side::Left { ends[0] } else { ends[1] }, LETTERS - 1.0, side, BLACK);
+                let (side, ends) = room(*at, BESIDE.width(label), &frame, &beside);
+                page.text(label, if side == Side::Left { ends[0] } else { ends[1] }, BESIDE, side, INK);
                 beside.push(ends);
             }
         }
-        page.finish()
+        page.svg()
     }
 }
 
@@ -110,13 +114,13 @@ impl Series {
     }
 
     /// Draws the line and the marks, in the chart or in the legend.
-    fn draw(&self, page: &mut Svg, path: &[At], marks: &[At], colour: Rgb) {
+    fn draw(&self, page: &mut Drawing, path: &[At], marks: &[At], colour: Rgb) {
         if self.style != Style::Marks && path.len() > 1 {
             page.line(path, 2.0, colour);
         }
         // A line of one point would be invisible, so it gets a mark.
         if self.style != Style::Line || path.len() == 1 {
-            marks.iter().for_each(|at| page.circle(*at, MARK, colour));
+            marks.iter().for_each(|at| page.dot(*at, MARK, colour));
         }
     }
 }
@@ -129,7 +133,7 @@ fn room(at: At, width: f64, frame: &Frame, others: &[[At; 2]]) -> (Side, [At; 2]
     };
     let is_free = |(_, [left, right]): &(Side, [At; 2])| {
         let meets =
-            |other: &[At; 2]| (other[0].1 - left.1).abs() < LETTERS && other[0].0 < right.0 && left.0 < other[1].0;
+            |other: &[At; 2]| (other[0].1 - left.1).abs() < LETTERS.size && other[0].0 < right.0 && left.0 < other[1].0;
         left.0 > frame.left && right.0 < frame.right && !others.iter().any(meets)
     };
     let mut all =

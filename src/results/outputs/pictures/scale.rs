@@ -37,6 +37,22 @@ pub fn words(tick: f64) -> String {
     if tick == 0.0 || (1e-6..1e9).contains(&tick.abs()) { tick.to_string() } else { format!("{tick:e}") }
 }
 
+/// Returns a unit as pictures write it; numbers without a unit have an empty one.
+pub fn printed(unit: &str) -> String {
+    if unit == "1" {
+        return String::new();
+    }
+    unit.replace("m2", "m\u{b2}").replace("deg", "\u{b0}").replace("umol", "\u{b5}mol")
+}
+
+/// Returns a title with its unit, if it has one.
+pub fn titled(title: &str, unit: &str) -> String {
+    match printed(unit) {
+        unit if unit.is_empty() => title.to_owned(),
+        unit => format!("{title}, {unit}"),
+    }
+}
+
 /// Axis from `low` to `high`: values, or their decimal logarithms.
 #[derive(Clone, Copy, Debug)]
 pub struct Scale {

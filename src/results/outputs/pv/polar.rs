@@ -5,15 +5,18 @@
 use std::f64::consts::TAU;
 
 use super::search::PointSearch;
-use crate::outputs::pictures::canvas::{Rgb, Side};
+use crate::outputs::pictures::axes::{Frame, LETTERS, MARGIN, TITLE};
 use crate::outputs::pictures::colours::inferno;
-use crate::outputs::pictures::svg::{At, BLACK, Frame, Svg, WHITE};
+use crate::outputs::pictures::drawing::{At, Drawing, INK, Rgb, Side, WHITE};
+use crate::outputs::pictures::font::Font;
 use crate::outputs::provenance::Provenance;
 use heliotile_core::orientation::fan::Orientation;
 
-/// Side of the square picture, pixels; `BELOW` is the height of the captions below.
+/// Side of the square picture, points; `BELOW` is the height of the captions below.
 const SIDE: f64 = 520.0;
-const BELOW: f64 = 70.0;
+const BELOW: f64 = 90.0;
+/// Letters on the disc.
+const SMALL: Font = Font::new(11.0);
 /// Radius of the disc; `MIDDLE` is its middle.
 const RADIUS: f64 = 200.0;
 const MIDDLE: (f64, f64) = (260.0, 262.0);
@@ -22,7 +25,7 @@ const MAX_LOSS: f64 = 50.0;
 
 /// Returns the picture of a search as SVG.
 pub fn svg(search: &PointSearch, about: &Provenance) -> String {
-    let mut page = Svg::new(SIDE, SIDE + BELOW);
+    let mut page = Drawing::new(SIDE, SIDE + BELOW);
     let tilts: Vec<f64> = search.rings.iter().map(|(ring, _)| ring.tilt_deg).collect();
     let steepest = tilts.last().copied().unwrap_or(90.0).max(1.0);
     let step = tilts.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max).max(2.0);
@@ -36,24 +39,22 @@ pub fn svg(search: &PointSearch, about: &Provenance) -> String {
         for (i, (azimuth, value)) in ring.azimuths_deg.iter().zip(values).enumerate() {
             let loss = search.loss_percent(*value);
             let half = if count == 1 && ring.tilt_deg < step { 180.0 } else { half_width(&ring.azimuths_deg, i) };
-            let points = sector(inner, outer, *azimuth, half);
-            page.polygon(&points, colour(1.0 - loss / most_loss));
+            page.polygon(vec![sector(inner, outer, *azimuth, half)], colour(1.0 - loss / most_loss));
         }
     }
     for tilt in (1..).map(|i| 30.0 * f64::from(i)).take_while(|tilt| *tilt <= steepest) {
         let radius = tilt / (steepest + 0.5 * step);
-        let ring: Vec<At> = (0..=120).map(|i| at(radius, 3.0 * f64::from(i))).collect();
-        page.line(&ring, 0.6, WHITE);
-        page.text(&format!("{tilt:.0}\u{b0}"), at(radius, 22.0), 10.0, Side::Left, WHITE);
+        page.ring(MIDDLE, RADIUS * radius, 0.6, WHITE);
+        page.text(&format!("{tilt:.0}\u{b0}"), at(radius, 22.0), SMALL, Side::Left, WHITE);
     }
     for (name, azimuth) in [("N", 0.0), ("E", 90.0), ("S", 180.0), ("W", 270.0)] {
-        page.text(name, at(1.07, azimuth), 13.0, Side::Center, BLACK);
+        page.text(name, at(1.07, azimuth), LETTERS, Side::Center, INK);
     }
     let best = place(search.best.turn);
-    page.circle(best, 7.0, BLACK);
-    page.circle(best, 5.0, [0, 158, 115]);
+    page.dot(best, 7.0, INK);
+    page.dot(best, 5.0, [0, 158, 115]);
     captions(&mut page, search, most_loss);
-    about.in_svg(&page.finish())
+    page.svg_file(about)
 }
 
 /// Returns half the angle to the nearest neighbour, degrees.
@@ -68,10 +69,9 @@ fn half_width(azimuths: &[f64], i: usize) -> f64 {
 }
 
 /// Draws the best orientation and losses in words, and the scale.
-fn captions(page: &mut Svg, search: &PointSearch, most_loss: f64) {
+fn captions(page: &mut Drawing, search: &PointSearch, most_loss: f64) {
     let turn = search.best.turn;
-    let mut line = |y: f64, words: &str, size: f64| page.text(words, (16.0, y), size, Side::Left, BLACK);
-    line(20.0, &search.point, 14.0);
+    page.text(&search.point, (MARGIN, 22.0), TITLE, Side::Left, INK);
     let best = format!(
         "best: tilt {:.1}\u{b0}, azimuth {:.1}\u{b0}, {:.0} kWh/m\u{b2}; flat loses {:.1} %",
         turn.tilt_deg,
@@ -79,10 +79,12 @@ fn captions(page: &mut Svg, search: &PointSearch, most_loss: f64) {
         search.best.value,
         search.loss_percent(search.flat.value)
     );
-    line(SIDE + 12.0, &best, 12.0);
-    line(SIDE + 58.0, &format!("loss against the best: 0 % to {most_loss:.0} % and more"), 11.0);
-    let scale = Frame { left: 16.0, right: 316.0, top: SIDE + 26.0, bottom: SIDE + 40.0 };
-    page.colours(&scale, 100, |step| colour(1.0 - step as f64 / 99.0));
+    let scale = format!("loss against the best: 0 % to {most_loss:.0} % and more");
+    for (words, y) in [(best, SIDE + 12.0), (scale, SIDE + 56.0)] {
+        page.text(&words, (MARGIN, y), LETTERS, Side::Left, INK);
+    }
+    let frame = Frame { left: MARGIN, right: 316.0, top: SIDE + 28.0, bottom: SIDE + 42.0 };
+    page.colours(&frame, 100, |step| colour(1.0 - step as f64 / 99.0));
 }
 
 /// Returns the position on the disc at a share of its radius and an azimuth in degrees.

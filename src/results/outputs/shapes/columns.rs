@@ -6,7 +6,7 @@ use super::stated::{StatedColumns, TextKind};
 use crate::outputs::groups::{GroupGeometry, ONE_WAY};
 use crate::outputs::periods::Every;
 use crate::outputs::pictures::colours::ColourScale;
-use crate::outputs::quantities::{LightEnding, PlaceValues, Quantity, ValueSource};
+use crate::outputs::quantities::{LightEnding, PlaceValues, Quantity, ValueSource, Verdict};
 use crate::outputs::tables::bin_labels::BinLabels;
 use crate::outputs::tables::layout::{BinKind, By, Layout};
 use heliotile_core::error::{Error, Problem, Result};
@@ -48,6 +48,10 @@ pub struct MapColumns {
     pub colour: usize,
     /// Colour scale of that column.
     pub scale: ColourScale,
+    /// Index of the number column with the verdict of a rule on that column.
+    pub verdict: Option<usize>,
+    /// Indices of the number columns with the least and the most that meet the rule.
+    pub thresholds: [Option<usize>; 2],
     quantities: Vec<Quantity>,
     /// Index of the main quantity.
     main: usize,
@@ -107,7 +111,16 @@ impl MapColumns {
         }
         let has_sum = layout.has_energy && wide != Wide::Each;
         let numbers = facts().chain(values).chain(has_sum.then(|| layout.energy())).collect();
-        Ok(MapColumns { numbers, colour: FACTS + layout.main, wide, has_sum, ..MapColumns::of_places(layout) })
+        let column = |name: &str| layout.quantities.iter().position(|one| one.name == name).map(|at| FACTS + at);
+        Ok(MapColumns {
+            numbers,
+            colour: FACTS + layout.main,
+            verdict: column(Verdict::COLUMN),
+            thresholds: Verdict::THRESHOLDS.map(column),
+            wide,
+            has_sum,
+            ..MapColumns::of_places(layout)
+        })
     }
 
     /// Returns the columns without values, which are written separately for each bin.
@@ -121,6 +134,8 @@ impl MapColumns {
                 ValueSource::Array(_) => ColourScale::FromZero,
                 ValueSource::Change { .. } => ColourScale::AroundZero,
             },
+            verdict: None,
+            thresholds: [None; 2],
             quantities: layout.quantities.clone(),
             main: layout.main,
             wide: Wide::None,
@@ -141,11 +156,6 @@ impl MapColumns {
     /// Returns the names of all columns.
     pub fn names(&self) -> Vec<String> {
         self.texts.iter().cloned().chain(self.numbers.iter().map(|(name, _)| name.clone())).collect()
-    }
-
-    /// Returns the words for the main quantity.
-    pub fn main_words(&self) -> &str {
-        self.quantities.get(self.main).map_or("", |main| &main.words)
     }
 
     /// Returns a row without polygons, from the properties that the receivers of a place share, its

@@ -226,7 +226,8 @@ impl<'a> MapWriter<'a> {
             (MapFormat::Png, _) => {
                 let unit = request.layout.unit_of(request.layout.main_quantity());
                 let around = request.around.as_ref();
-                let drawn = Drawn { around, north: request.north, called: &request.called, unit };
+                let title = request.layout.title();
+                let drawn = Drawn { around, north: request.north, title, called: &request.called, unit };
                 picture::write(sink()?, rows, columns, &drawn, about)?
             }
             (MapFormat::Vtu | MapFormat::Pvd, _) => vtu::write(sink()?, rows, columns, None, about)?,

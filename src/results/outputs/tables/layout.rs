@@ -1,7 +1,7 @@
 //! Layout of a table of results: a label, a receiver or group, and the requested quantities, with
 //! their units.
 
-use crate::outputs::quantities::{ChangeKind, LightEnding, Measure, Quantity, ValueSource};
+use crate::outputs::quantities::{ChangeKind, LightEnding, Measure, Quantity, ValueSource, capital};
 use crate::outputs::tables::bin_labels::BinLabels;
 use crate::outputs::tables::column::{Column, Digits, Kind, TableColumns};
 use heliotile_core::named::NamedValues;
@@ -241,6 +241,23 @@ impl Layout {
     /// Returns the main quantity.
     pub fn main_quantity(&self) -> &Quantity {
         &self.quantities[self.main]
+    }
+
+    /// Returns the noun for means or sums of light.
+    pub fn light_noun(&self) -> &'static str {
+        if self.bins == BinKind::Sums { "irradiation" } else { "irradiance" }
+    }
+
+    /// Returns the main quantity in words, for titles of pictures.
+    pub fn title(&self) -> String {
+        let main = self.main_quantity();
+        match main.measure {
+            Measure::Light(LightMeasure::Irradiance) if main.words.ends_with("total") => {
+                capital(&format!("{} {}", main.words, self.light_noun()))
+            }
+            Measure::Light(LightMeasure::Irradiance) => format!("{}: {}", capital(self.light_noun()), main.words),
+            _ => capital(&main.words),
+        }
     }
 
     /// Returns the unit of a quantity.

@@ -1,57 +1,55 @@
 //! Maps as pictures. In: rows, the scene around. Out: PNG with two views in one scale: from above,
-//! true north up and true to scale, and from the south-west. It has the page's colours, a legend
-//! and a scale bar. Memory depends on the number of pixels, not on the size of the site.
+//! true north up and true to scale, and from the south-west. It has the page's colours, a legend, a
+//! scale bar and its sources. Memory depends on the number of pixels, not on the size of the site.
 
+mod paint;
+mod palette;
 mod raster;
 pub mod thumbnail;
 mod view;
 
 use std::io::Write;
 
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 
 use super::columns::MapColumns;
 use super::glb::Surroundings;
-use super::row::{MapPolygon, MapRow};
 use super::rows::MapRows;
-use crate::outputs::pictures::canvas::{Canvas, Rgb, Side};
-use crate::outputs::pictures::colours::{ColourScale, STEPS};
-use crate::outputs::pictures::scale::round_steps;
+use crate::outputs::pictures::axes::{Frame, LETTERS, MARGIN};
+use crate::outputs::pictures::drawing::{Drawing, INK, PALE_INK, SAMPLES, SCALE, Side};
+use crate::outputs::pictures::scale::{printed, round_steps, titled};
 use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
-use heliotile_core::archive::format;
-use heliotile_core::archive::format::TileNumber;
-use heliotile_core::archive::tables::GeometryTable;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::north::North;
+use paint::{draw_row, draw_scene, extend, extend_by_row};
+use palette::Palette;
 use raster::Raster;
 use view::{ALTITUDE_DEG, Panel, View};
-
-const PAPER: Rgb = [255, 255, 255];
-const INK: Rgb = [30, 30, 40];
-/// Colour of patches that are seen from behind.
-const BEHIND: Rgb = [150, 152, 156];
 
 /// Largest width and height of both views together, points. The constants below are the space
 /// around them.
 const MAX: DVec2 = DVec2::new(1340.0, 940.0);
-const MARGIN: f64 = 24.0;
-const HEAD: f64 = 64.0;
-const FOOT: f64 = 92.0;
+/// Distance between both views, points.
+const GAP: f64 = 24.0;
+const HEAD: f64 = 86.0;
+const FOOT: f64 = 122.0;
 /// Least width of a page, points: narrower ones have no room for words.
 const NARROWEST: f64 = 560.0;
+/// Largest width of the legend, points.
+const LEGEND: f64 = 640.0;
 
-/// Distance by which patches are brought in front of the scene's surfaces, metres.
-const NEARER_M: f64 = 0.05;
-/// Cosine below which a surface is seen edge-on.
-const EDGE_ON: f64 = 0.02;
 /// Least size that is drawn, metres.
 const MIN_M: f64 = 1.0;
+/// Largest distance from the rows at which surroundings are in view, as a share of the longer side.
+const AROUND: f64 = 0.35;
 
 /// Contents of a picture besides rows.
 pub struct Drawn<'a> {
     pub around: Option<&'a Surroundings<'a>>,
     pub north: North,
+    /// Title without the unit.
+    pub title: String,
     /// Description of the values in words.
     pub called: &'a str,
     /// Unit of the values.
@@ -66,49 +64,55 @@ pub fn write(
     drawn: &Drawn,
     about: &Provenance,
 ) -> Result<u64> {
-    let ticks = columns.scale.ticks(rows.facts.largest.into());
-    let top = ticks.last().copied().unwrap_or(1.0);
+    let palette = Palette::new(rows, columns)?;
     let views = [View::above(drawn.north), View::south_west(drawn.north)];
-    let (panels, width, height) = arranged(views, extents(rows, views)?);
-    let mut canvas = Canvas::painted(width as usize, height as usize, |_, _| PAPER);
+    let (panels, width, height) = arranged(views, extents(rows, views, drawn.around)?);
+    let mut page = Drawing::new(width, height + palette.more_height());
+    let unit = printed(drawn.unit);
+    page.heading(&titled(&drawn.title, drawn.unit), &about.with_place(drawn.called));
     for (panel, is_above) in panels.into_iter().zip([true, false]) {
-        let mut raster = Raster::new(&mut canvas, panel);
+        let mut raster = Raster::new(panel);
         if let Some(around) = drawn.around {
-            draw_scene(&mut raster, panel, around)?;
+            draw_scene(&mut raster, around, palette.darker())?;
         }
         // The view from above also shows places below roofs and trees.
         if is_above {
             raster.forget_depth();
         }
         rows.each(|row| {
-            draw_row(&mut raster, panel, row, paint(row, columns.colour, columns.scale, top));
+            palette.ink(row).into_iter().for_each(|ink| draw_row(&mut raster, row, ink));
             Ok(())
         })?;
+        page.image(panel.corner.into(), raster.image(SAMPLES / SCALE));
     }
-    let title = format!("{}, {}", columns.main_words(), drawn.unit);
-    draw_words(&mut canvas, panels, DVec2::new(width, height), &title, drawn.called, drawn.around.is_some());
-    draw_legend(&mut canvas, columns.scale, &ticks, DVec2::new(width, height));
-    let [low, high] = [columns.scale.least(top), top].map(|end| end.to_string());
-    let about =
-        about.clone().with("colours", columns.scale.name_on_paper()).with("colours_from", low).with("colours_to", high);
+    let (left, foot) = (MARGIN, height - FOOT);
+    draw_words(&mut page, panels, foot + 20.0, drawn.around.is_some());
+    // Arrows of values beyond the scale stand beside it.
+    let (left, right) = (left + 20.0, left + (width - 2.0 * MARGIN - 80.0).min(LEGEND));
+    let legend = Frame { left, right, top: foot + 56.0, bottom: foot + 70.0 };
+    palette.draw_legend(&mut page, &legend, &unit);
     let path = sink.path().to_owned();
-    sink.write_all(&canvas.png(about.ascii())?).map_err(Error::io(&path, "write to"))?;
+    sink.write_all(&page.png_file(&palette.stated(about))?).map_err(Error::io(&path, "write to"))?;
     sink.finish()
 }
 
-/// Returns the lowest and highest metres to the right and up, by view.
-fn extents(rows: &mut MapRows, views: [View; 2]) -> Result<[[DVec2; 2]; 2]> {
+/// Returns the lowest and highest metres to the right and up, by view, of the rows and what stands
+/// near them.
+fn extents(rows: &mut MapRows, views: [View; 2], around: Option<&Surroundings>) -> Result<[[DVec2; 2]; 2]> {
     let mut found = [[DVec2::INFINITY, DVec2::NEG_INFINITY]; 2];
     rows.each(|row| {
-        for corner in row.polygons.iter().flat_map(MapPolygon::corners) {
-            for (view, [low, high]) in views.iter().zip(&mut found) {
-                let at = view.of(*corner).truncate();
-                (*low, *high) = (low.min(at), high.max(at));
-            }
-        }
+        extend_by_row(&mut found, &views, row);
         Ok(())
     })?;
-    Ok(found.map(padded))
+    let mut wider = found;
+    around.map_or(Ok(()), |around| extend(&mut wider, &views, around))?;
+    Ok([0, 1].map(|view| padded(limited(found[view], wider[view]))))
+}
+
+/// Returns wider corners, at most [`AROUND`] from those of the rows.
+fn limited([low, high]: [DVec2; 2], wider: [DVec2; 2]) -> [DVec2; 2] {
+    let most = AROUND * (high - low).max_element();
+    [wider[0].max(low - most), wider[1].min(high + most)]
 }
 
 /// Returns corners with a margin, such that a page has some size whatever it shows.
@@ -130,123 +134,40 @@ fn arranged(views: [View; 2], extents: [[DVec2; 2]; 2]) -> ([Panel; 2], f64, f64
         low: extents[i][0],
         size_m: extents[i][1] - extents[i][0],
         scale,
-        // Corners lie on whole pixels.
+        // Corners lie on whole points.
         corner: corner.round(),
     };
     let corner = DVec2::new(MARGIN, HEAD);
     let (next, size) = if beside >= above {
-        let next = corner + DVec2::new(first.x * scale + MARGIN, 0.0);
-        (next, DVec2::new((first.x + second.x) * scale + MARGIN, first.y.max(second.y) * scale))
+        let next = corner + DVec2::new(first.x * scale + GAP, 0.0);
+        (next, DVec2::new((first.x + second.x) * scale + GAP, first.y.max(second.y) * scale))
     } else {
-        let next = corner + DVec2::new(0.0, first.y * scale + MARGIN);
-        (next, DVec2::new(first.x.max(second.x) * scale, (first.y + second.y) * scale + MARGIN))
+        let next = corner + DVec2::new(0.0, first.y * scale + GAP);
+        (next, DVec2::new(first.x.max(second.x) * scale, (first.y + second.y) * scale + GAP))
     };
     let (width, height) = ((size.x + 2.0 * MARGIN).max(NARROWEST).ceil(), (size.y + HEAD + FOOT).ceil());
     ([panel(0, corner), panel(1, next)], width, height)
 }
 
-/// Draws the triangles of the archive in grey, brighter if they face up and to the west.
-fn draw_scene(raster: &mut Raster, panel: Panel, around: &Surroundings) -> Result<()> {
-    let light = (panel.view.of(DVec3::new(-0.5, -0.3, 0.8))).normalize();
-    for chunk in 0..around.chunks {
-        let table = GeometryTable::from_block(&around.site.block(format::SCENE, TileNumber(chunk))?)?;
-        let corner = |number: u32| {
-            let vertex = table.vertex.get(number as usize).copied().unwrap_or_default();
-            DVec3::from_array(vertex.map(f64::from)) + around.origin
-        };
-        for triangle in &table.corner {
-            let corners = triangle.map(corner);
-            let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero();
-            // Triangles have no front side: the normal is turned towards the viewer.
-            let normal = if normal.dot(panel.view.towards) < 0.0 { -normal } else { normal };
-            let grey = (212.0 + 26.0 * panel.view.of(normal).dot(light)) as u8;
-            raster.triangle(corners, 0.0, [grey; 3]);
-        }
+/// Draws captions, and in a row at `y` the north arrow and the scale bar of the view from above.
+fn draw_words(page: &mut Drawing, [above, oblique]: [Panel; 2], y: f64, has_scene: bool) {
+    let width = page.size.0;
+    let oblique_words = format!("from the south-west, {ALTITUDE_DEG}\u{b0} high");
+    for (panel, words) in [(above, "from above"), (oblique, &oblique_words)] {
+        page.text(words, (panel.corner.x, panel.corner.y - 11.0), LETTERS, Side::Left, PALE_INK);
     }
-    Ok(())
-}
-
-/// Returns the colour of a row, by one of its numbers and the top of the scale.
-fn paint(row: &MapRow, colour: usize, scale: ColourScale, top: f64) -> Rgb {
-    let value = row.numbers.get(colour).copied().unwrap_or(f32::NAN);
-    scale.on_paper((f64::from(value) / top) as f32)
-}
-
-fn draw_row(raster: &mut Raster, panel: Panel, row: &MapRow, paint: Rgb) {
-    for polygon in &row.polygons {
-        let corners: Vec<DVec3> = polygon.corners().copied().collect();
-        if let [only] = corners.as_slice() {
-            raster.mark(*only, paint);
-            continue;
-        }
-        let cos = polygon.normal().dot(panel.view.towards);
-        if cos.abs() < EDGE_ON {
-            for ring in &polygon.rings {
-                ring.iter().zip(ring.iter().cycle().skip(1)).for_each(|(from, to)| raster.edge(*from, *to, paint));
-            }
-            continue;
-        }
-        let at = |number: u32| corners.get(number as usize).copied().unwrap_or_default();
-        let paint = if cos > 0.0 { paint } else { BEHIND };
-        polygon.triangles().iter().for_each(|three| raster.triangle(three.map(at), NEARER_M, paint));
-    }
-}
-
-fn draw_words(
-    canvas: &mut Canvas,
-    [above, oblique]: [Panel; 2],
-    size: DVec2,
-    title: &str,
-    called: &str,
-    has_scene: bool,
-) {
-    canvas.headline(title, (MARGIN, 18.0), Side::Left, INK);
-    canvas.word(called, (MARGIN, 36.0), Side::Left, INK);
-    let under_title = HEAD - 11.0;
-    canvas.word("from above", (above.corner.x, under_title), Side::Left, INK);
-    let beside = oblique.corner.x > above.corner.x;
-    let caption = if beside { under_title } else { oblique.corner.y - 10.0 };
-    let words = format!("from the south-west, {ALTITUDE_DEG}\u{b0} high");
-    canvas.word(&words, (oblique.corner.x, caption), Side::Left, INK);
-    // North arrow and scale bar belong to the view from above.
-    let foot = size.y - FOOT;
     let steps = round_steps(0.25 * above.size_m.x.max(60.0 / above.scale), 1);
     let metres = steps.last().copied().unwrap_or(1.0);
-    let bar = if metres * above.scale > 0.5 * (size.x - 2.0 * MARGIN) { 0.5 * metres } else { metres };
-    let (left, y, long) = (MARGIN + 26.0, foot + 20.0, bar * above.scale);
-    canvas.line(&[(left, y - 4.0), (left, y), (left + long, y), (left + long, y - 4.0)], 1.3, INK);
+    let bar = if metres * above.scale > 0.5 * (width - 2.0 * MARGIN) { 0.5 * metres } else { metres };
+    let (left, long) = (MARGIN + 28.0, bar * above.scale);
+    page.line(&[(left, y - 4.0), (left, y), (left + long, y), (left + long, y - 4.0)], 1.3, INK);
     let named = if bar >= 1000.0 { format!("{} km", bar / 1000.0) } else { format!("{bar} m") };
-    canvas.word(&named, (left + long + 8.0, y - 2.0), Side::Left, INK);
+    page.text(&named, (left + long + 8.0, y - 2.0), LETTERS, Side::Left, INK);
     let arrow = MARGIN + 8.0;
-    canvas.line(&[(arrow - 4.0, y - 5.0), (arrow, y - 12.0), (arrow + 4.0, y - 5.0)], 1.3, INK);
-    canvas.line(&[(arrow, y - 12.0), (arrow, y + 2.0)], 1.3, INK);
-    canvas.word("N", (arrow, y + 10.0), Side::Center, INK);
+    page.polygon(vec![vec![(arrow - 5.0, y + 1.0), (arrow, y - 14.0), (arrow + 5.0, y + 1.0), (arrow, y - 3.0)]], INK);
+    page.text("N", (arrow, y + 9.0), LETTERS, Side::Center, INK);
     if has_scene {
-        canvas.word("grey: surroundings", (size.x - MARGIN, y - 2.0), Side::Right, INK);
-    }
-}
-
-fn draw_legend(canvas: &mut Canvas, scale: ColourScale, ticks: &[f64], size: DVec2) {
-    let (left, y, long) = (MARGIN + 26.0, size.y - 46.0, (size.x - 2.0 * MARGIN - 52.0).min(640.0));
-    let top = ticks.last().copied().unwrap_or(1.0);
-    let least = scale.least(top);
-    let share = |step: usize| step as f64 / STEPS as f64;
-    for step in 0..STEPS {
-        let (from, to) = (left + long * share(step), left + long * share(step + 1));
-        canvas.line(
-            &[(0.5 * (from + to), y - 7.0), (0.5 * (from + to), y + 7.0)],
-            to - from + 0.5,
-            scale.of_legend(step),
-        );
-    }
-    for tick in ticks {
-        let x = left + long * (tick - least) / (top - least);
-        canvas.line(&[(x, y + 8.0), (x, y + 13.0)], 1.0, INK);
-        canvas.word(&tick.to_string(), (x, y + 23.0), Side::Center, INK);
-    }
-    if let Some([low, high]) = scale.ends() {
-        canvas.word(low, (left, y - 16.0), Side::Left, INK);
-        canvas.word(high, (left + long, y - 16.0), Side::Right, INK);
+        page.text("grey: surroundings", (width - MARGIN, y - 2.0), LETTERS, Side::Right, PALE_INK);
     }
 }
 
@@ -258,6 +179,14 @@ mod tests {
     /// Returns axes whose y is `convergence_deg` degrees clockwise from true north.
     pub fn turned(convergence_deg: f64) -> North {
         North::new(Some(&Place { latitude_deg: 52.0, longitude_deg: 4.0, convergence_deg, epsg: None }))
+    }
+
+    /// Surroundings near the rows are in view whole, others up to 35 % of the longer side.
+    #[test]
+    fn surroundings_near_the_rows_are_in_view() {
+        let rows = [DVec2::ZERO, DVec2::new(100.0, 40.0)];
+        let found = limited(rows, [DVec2::new(-12.0, -900.0), DVec2::new(100.0, 41.0)]);
+        assert_eq!(found, [DVec2::new(-12.0, -35.0), DVec2::new(100.0, 41.0)]);
     }
 
     /// A site of 400 m x 100 m has its views one above the other, one of 100 m x 100 m side by
@@ -272,7 +201,7 @@ mod tests {
         let (tall, ..) = of(DVec2::new(100.0, 100.0), DVec2::new(140.0, 100.0));
         assert!(tall[1].corner.x > tall[0].corner.x && tall[0].corner.y == tall[1].corner.y);
         for panel in wide {
-            let end = panel.corner + panel.size();
+            let end = panel.corner + panel.size_m * panel.scale;
             assert!(end.x <= width && end.y + FOOT <= height + 1.0, "{end} {width} {height}");
         }
         for size in [2.0, 1e12] {

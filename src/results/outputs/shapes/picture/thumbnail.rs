@@ -3,15 +3,17 @@
 
 use glam::DVec2;
 
+use super::padded;
+use super::paint::{draw_row, draw_scene, extend_by_row};
+use super::palette::Palette;
 use super::raster::Raster;
 use super::view::{Panel, View};
-use super::{PAPER, draw_row, draw_scene, padded, paint};
-use crate::outputs::pictures::canvas::Canvas;
-use crate::outputs::pictures::colours::ColourScale;
+use crate::outputs::pictures::drawing::SAMPLES;
+use crate::outputs::pictures::png::encoded;
 use crate::outputs::pictures::scale::round_steps;
 use crate::outputs::provenance::Provenance;
 use crate::outputs::shapes::glb::Surroundings;
-use crate::outputs::shapes::row::{MapPolygon, MapRow};
+use crate::outputs::shapes::row::MapRow;
 use heliotile_core::error::Result;
 use heliotile_core::site::north::North;
 
@@ -22,9 +24,8 @@ pub const SIDE: f64 = 400.0;
 #[derive(Clone, Copy, Debug)]
 pub struct ThumbnailFrame {
     view: View,
-    /// Lowest metres to the right and up; `high` is the highest.
-    low: DVec2,
-    high: DVec2,
+    /// Lowest and highest metres to the right and up.
+    corners: [DVec2; 2],
     /// Largest value; 0 if there is none.
     largest: f32,
 }
@@ -32,21 +33,18 @@ pub struct ThumbnailFrame {
 impl ThumbnailFrame {
     /// Returns the frame of no place.
     pub fn new(north: North) -> Self {
-        ThumbnailFrame { view: View::above(north), low: DVec2::INFINITY, high: DVec2::NEG_INFINITY, largest: 0.0 }
+        ThumbnailFrame { view: View::above(north), corners: [DVec2::INFINITY, DVec2::NEG_INFINITY], largest: 0.0 }
     }
 
     /// Extends the frame by a place, a row with one number.
     pub fn add(&mut self, row: &MapRow) {
-        for corner in row.polygons.iter().flat_map(MapPolygon::corners) {
-            let at = self.view.of(*corner).truncate();
-            (self.low, self.high) = (self.low.min(at), self.high.max(at));
-        }
+        extend_by_row(std::slice::from_mut(&mut self.corners), &[self.view], row);
         self.largest = row.numbers.iter().copied().fold(self.largest, f32::max);
     }
 
     /// Returns the frame that encloses both; its north is that of the first.
     pub fn union(mut self, other: &Self) -> Self {
-        (self.low, self.high) = (self.low.min(other.low), self.high.max(other.high));
+        self.corners = [self.corners[0].min(other.corners[0]), self.corners[1].max(other.corners[1])];
         self.largest = self.largest.max(other.largest);
         self
     }
@@ -69,23 +67,19 @@ impl ThumbnailFrame {
         about: &Provenance,
         draw: impl FnOnce(&mut dyn FnMut(&MapRow)) -> Result<()>,
     ) -> Result<Vec<u8>> {
-        let [low, high] = padded([self.low, self.high]);
+        let [low, high] = padded(self.corners);
         let size_m = high - low;
         let scale = SIDE / size_m.max_element();
         let panel = Panel { view: self.view, low, size_m, scale, corner: DVec2::ZERO };
-        let (size, top) = (panel.size().round().max(DVec2::ONE), self.top());
-        let mut canvas = Canvas::painted(size.x as usize, size.y as usize, |_, _| PAPER);
-        let mut raster = Raster::new(&mut canvas, panel);
+        let mut raster = Raster::new(panel);
         if let Some(around) = around {
-            draw_scene(&mut raster, panel, around)?;
+            draw_scene(&mut raster, around, 0.0)?;
         }
         // Places below roofs are shown, too, as on maps.
         raster.forget_depth();
-        let scale = ColourScale::FromZero;
-        draw(&mut |row| draw_row(&mut raster, panel, row, paint(row, 0, scale, top)))?;
-        let about =
-            about.clone().with("colours", scale.name_on_paper()).with("colours_from", 0).with("colours_to", top);
-        canvas.png(about.ascii())
+        let palette = Palette::from_zero(self.top());
+        draw(&mut |row| palette.ink(row).into_iter().for_each(|ink| draw_row(&mut raster, row, ink)))?;
+        encoded(&raster.image(SAMPLES), &palette.stated(about).ascii())
     }
 }
 
@@ -93,6 +87,7 @@ impl ThumbnailFrame {
 mod tests {
     use super::*;
     use crate::outputs::provenance;
+    use crate::outputs::shapes::row::MapPolygon;
     use glam::DVec3;
 
     /// A site of 30 m x 10 m whose east half has the largest value and whose west half has 0 is a

@@ -60,9 +60,9 @@ impl Panel {
         DVec3::new(x, y, at.z)
     }
 
-    /// Returns width and height, points.
-    pub fn size(&self) -> DVec2 {
-        self.size_m * self.scale
+    /// Returns width and height in whole points.
+    pub fn whole_size(&self) -> [usize; 2] {
+        (self.size_m * self.scale).to_array().map(|side| side.ceil().max(1.0) as usize)
     }
 }
 
