@@ -125,8 +125,7 @@ impl Drawing {
     /// Draws the colours of a scale with round numbers from its least to its largest, and the unit
     /// beside, after a gap.
     pub fn colour_scale(&mut self, frame: &Frame, scale: ColourScale, ticks: &[f64], unit: &str, gap: f64) {
-        let top = ticks.last().copied().unwrap_or(1.0);
-        let least = scale.least(top);
+        let (least, top) = ticks.first().zip(ticks.last()).unwrap_or((&0.0, &1.0));
         let tick = |tick: &f64| ((tick - least) / (top - least), words(*tick));
         self.colours(frame, STEPS, |step| scale.of_legend(step));
         self.axis(frame, Axis::Below, &ticks.iter().map(tick).collect::<Vec<_>>(), false);

@@ -18,6 +18,17 @@ pub fn round_steps(length: f64, most: usize) -> Vec<f64> {
     (0..=count).map(|i| tidy(step * i as f64)).collect()
 }
 
+/// Returns round steps from a round number at or below `low` to one at or above `high`: about `most`
+/// of them. Without a length between them, they are one step.
+pub fn round_range(low: f64, high: f64, most: usize) -> Vec<f64> {
+    let is_range = high - low > SMALLEST && low.abs().max(high.abs()) <= LARGEST;
+    let (low, high) =
+        if is_range { (low, high) } else { (high.clamp(-LARGEST, LARGEST) - 0.5, high.clamp(-LARGEST, LARGEST) + 0.5) };
+    let step = round_step(high - low, most);
+    let (first, last) = ((low / step + 1e-9).floor(), (high / step - 1e-9).ceil());
+    (0..=(last - first) as usize).map(|i| tidy(step * (first + i as f64))).collect()
+}
+
 /// Returns the smallest round number that fits into `length` at most `most` times.
 fn round_step(length: f64, most: usize) -> f64 {
     let least = length / most.max(1) as f64;
@@ -156,6 +167,9 @@ mod tests {
         assert_eq!(round_steps(10.0, 4), [0.0, 2.5, 5.0, 7.5, 10.0]);
         assert_eq!(round_steps(1.0, 1), [0.0, 1.0]);
         assert_eq!(round_steps(3e-9, 3), [0.0, 1e-9, 2e-9, 3e-9]);
+        assert_eq!(round_range(21.7, 34.2, 5), [20.0, 22.5, 25.0, 27.5, 30.0, 32.5, 35.0]);
+        assert_eq!(round_range(-3.2, 4.0, 5), [-4.0, -2.0, 0.0, 2.0, 4.0]);
+        assert_eq!(round_range(20.0, 20.0, 5), [19.4, 19.6, 19.8, 20.0, 20.2, 20.4, 20.6]);
         for odd in [0.0, -5.0, f64::NAN, f64::INFINITY, 5e-324] {
             assert_eq!(round_steps(odd, 2), [0.0, 0.5, 1.0]);
         }

@@ -7,6 +7,9 @@ use crate::outputs::tables::column::{Column, Digits, Kind, TableColumns};
 use heliotile_core::named::NamedValues;
 use heliotile_core::replay::components::{Component, ComponentList, LightMeasure};
 
+/// Unit of temperatures.
+pub const CELSIUS: &str = "degC";
+
 /// Kind of the bins of a table, which also decides the unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BinKind {
@@ -266,7 +269,7 @@ impl Layout {
             Measure::Light(measure) => self.unit_of_light(measure),
             Measure::Percent => "%",
             Measure::Minutes | Measure::Clock => "min",
-            Measure::Celsius => "degC",
+            Measure::Celsius => CELSIUS,
             Measure::Hours => "h",
             Measure::Number | Measure::Verdict => "1",
         }

@@ -7,9 +7,10 @@ use super::super::rows::MapRows;
 use crate::outputs::pictures::axes::{Axis, Frame, LETTERS};
 use crate::outputs::pictures::colours::{ColourScale, STEPS, between};
 use crate::outputs::pictures::drawing::{Drawing, INK, Image, PALE_INK, Rgb, SAMPLES, Side};
-use crate::outputs::pictures::scale::words;
+use crate::outputs::pictures::scale::{round_range, words};
 use crate::outputs::provenance::Provenance;
 use crate::outputs::quantities::Verdict;
+use crate::outputs::tables::layout::CELSIUS;
 use heliotile_core::error::Result;
 
 /// Percentile of the distance from zero at which a scale around zero ends: single places would make
@@ -78,9 +79,11 @@ impl Palette {
     pub fn new(rows: &mut MapRows, columns: &MapColumns) -> Result<Self> {
         let (column, scale) = (columns.colour, columns.scale);
         let (largest, mut counts) = (f64::from(rows.facts.largest), vec![0_u64; CLASSES]);
+        let mut lowest = f64::INFINITY;
         let mut rule = None;
         rows.each(|row| {
             let value = row.numbers.get(column).copied().map_or(f64::NAN, f64::from);
+            lowest = lowest.min(value);
             if value.is_finite() && largest > 0.0 {
                 counts[((value.abs() / largest * CLASSES as f64) as usize).min(CLASSES - 1)] += 1;
             }
@@ -99,7 +102,14 @@ impl Palette {
         })?;
         let end = percentile(&counts) * largest;
         let threshold = rule.as_ref().map_or(0.0, |rule| rule.threshold);
-        let ticks = scale.ticks(if scale == ColourScale::AroundZero { end } else { largest.max(threshold) });
+        // Zero degrees Celsius mean nothing.
+        let ticks = match scale {
+            ColourScale::AroundZero => scale.ticks(end),
+            ColourScale::FromZero if columns.numbers.get(column).is_some_and(|(_, unit)| *unit == CELSIUS) => {
+                round_range(lowest, largest, 5)
+            }
+            ColourScale::FromZero => scale.ticks(largest.max(threshold)),
+        };
         let top = ticks.last().copied().unwrap_or(1.0);
         Ok(Palette { column, scale, beyond: (largest > top).then_some(largest), ticks, rule })
     }
@@ -113,6 +123,11 @@ impl Palette {
         self.ticks.last().copied().unwrap_or(1.0)
     }
 
+    /// Returns the number whose colour is the first of the scale, or the middle one around zero.
+    fn origin(&self) -> f64 {
+        if self.scale == ColourScale::AroundZero { 0.0 } else { self.ticks.first().copied().unwrap_or(0.0) }
+    }
+
     /// Returns the ink of a row; `None` if it has no value.
     pub fn ink(&self, row: &MapRow) -> Option<Ink> {
         let value = row.numbers.get(self.column).copied().filter(|value| value.is_finite())?;
@@ -123,7 +138,7 @@ impl Palette {
     fn of_value(&self, value: f64, verdict: Option<Verdict>) -> Ink {
         let colour = match (&self.rule, verdict) {
             (Some(rule), Some(verdict)) => rule.colour(value, verdict, self.top()),
-            _ => self.scale.on_paper((value / self.top()) as f32),
+            _ => self.scale.on_paper(((value - self.origin()) / (self.top() - self.origin())) as f32),
         };
         Ink { colour, verdict }
     }
@@ -193,7 +208,8 @@ impl Palette {
     pub fn stated(&self, about: &Provenance) -> Provenance {
         let (top, name) = (self.top(), self.scale.name_on_paper());
         let name = if self.rule.is_some() { "Oranges, Blues" } else { name };
-        let about = about.clone().with("colours", name).with("colours_from", self.scale.least(top));
+        let least = self.ticks.first().copied().unwrap_or(0.0);
+        let about = about.clone().with("colours", name).with("colours_from", least);
         let about = about.with("colours_to", top);
         match self.beyond {
             Some(_) => about.with("colours_percentile", PERCENTILE),
