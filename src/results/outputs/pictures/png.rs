@@ -214,7 +214,7 @@ mod tests {
         let found = [pixel(220, 10), pixel(221, 10), pixel(220, 11), pixel(221, 11), pixel(222, 11)];
         assert_eq!(found, [[1, 2, 3], [4, 5, 6], [7, 8, 9], [10, 11, 12], WHITE]);
         let is_dark = |x: &usize| (120..160).any(|y| pixel(*x, y)[0] < 200);
-        let last = (0..columns).filter(is_dark).next_back().expect("words");
+        let last = (0..columns).rfind(is_dark).expect("words");
         let end = 2.0 * (20.0 + Font::new(13.0).width("Irradiation, kWh/m\u{b2}"));
         assert!(
             (last as f64 - end).abs() < 3.0 && (0..columns).find(is_dark).is_some_and(|x| x.abs_diff(42) < 4),
