@@ -99,8 +99,8 @@ pub use heliotile_results::{
     BandChoice, BandList, BinLabels, BuildingsRequest, By, ClassShare, ComfortChoice, ComfortColumn, ComfortRequest,
     CompareRequest, ConditionSource, Every, FactorRows, FactorsRequest, LightRequest, LightSource, OutputRequest,
     PageRequest, PartReceivers, PlaceOn, PlacesRequest, Posture, Provenance, QueryRequest, ReceiverChoice,
-    ReplayRequest, Resources, ShadingRequest, ShadingSummary, SideHours, SkyChoice, SkyFiles, SunOnPerson,
-    SurfaceTemperatures, Takers, Tile, TileSink, WindChoice,
+    ReplayRequest, ReportDone, ReportRequest, Resources, ShadingRequest, ShadingSummary, SideHours, SkyChoice,
+    SkyFiles, SunOnPerson, SurfaceTemperatures, Takers, Tile, TileSink, WindChoice,
 };
 pub use heliotile_scene::edit::{ObjectHeight, ObjectMaterial, ObjectMove, SceneEdits};
 pub use heliotile_scene::footprint_options::{FootprintOptions, HeightAbove, HeightSource};

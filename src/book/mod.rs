@@ -47,6 +47,7 @@ pages! {
     pictures = "pictures.md",
     maps = "maps.md",
     export = "export.md",
+    statements = "statements.md",
     regions = "regions.md",
     remote = "remote.md",
     python = "python.md",

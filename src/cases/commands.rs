@@ -6,6 +6,7 @@ use heliotile_atlas::partition::PartitionRequest;
 #[cfg(test)]
 use heliotile_core::error::Result;
 use heliotile_requests::{Group, Request, Row};
+use heliotile_results::ReportRequest;
 
 use super::*;
 
@@ -178,6 +179,12 @@ commands![
     ("archive diff", Diff, Share, "List the differences of two archives; exit code 1 if they differ"),
     ("archive repair", Repair, Share, "Trace the damaged parts of an archive again"),
     (
+        "report",
+        ReportRequest,
+        Share,
+        "Write a statement about tables of results for a person who decides, as one page that prints well: question, rule, results, uncertainty, and how to check them"
+    ),
+    (
         "view",
         View,
         Share,
@@ -235,7 +242,7 @@ mod tests {
         R::rows().iter().filter(|row| is_odd(row)).map(|row| format!("{command} {}", row.name)).collect()
     }
 
-    /// Defaults that faces show are those of the requests: of all fields of 28 commands none
+    /// Defaults that faces show are those of the requests: of all fields of 30 commands none
     /// differs.
     #[test]
     fn stated_defaults_are_those_of_requests() {

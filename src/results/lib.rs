@@ -19,6 +19,7 @@
 //! | `sky_components` | light of an overcast sky in percent of open ground |
 //! | `comfort` | thermal comfort of people: [`ComfortRequest`] |
 //! | `viewer` | [`PageRequest`], [`open_after`]: HTML file with one archive, or two compared |
+//! | [`report`] | statement for people about tables: [`ReportRequest`] |
 //! | [`horizon`], `doubts` | warnings that a user should know before results are used |
 //! | [`outputs`] | writers of tables, maps, pictures and foreign formats |
 //!
@@ -42,6 +43,7 @@ pub mod outputs;
 pub mod own_skies;
 pub mod places;
 pub mod receivers;
+pub mod report;
 pub mod request;
 pub mod resources;
 pub mod series;
@@ -69,6 +71,7 @@ pub use gap_fractions::GapFractions;
 pub use own_skies::{SkyChoice, SkyFiles};
 pub use places::{PlaceOn, PlacesRequest, PlacesSummary};
 pub use receivers::{PartReceivers, ReceiverChoice, ReceiverSet, TileReceivers};
+pub use report::{ReportDone, ReportRequest};
 pub use request::{ConditionSource, LightRequest, QueryRequest, ReplayRequest};
 pub use resources::Resources;
 pub use series::Series;

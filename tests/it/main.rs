@@ -56,6 +56,7 @@ mod reflectance;
 mod remote;
 mod repair;
 mod replay;
+mod report;
 mod response;
 mod results;
 mod scenes;

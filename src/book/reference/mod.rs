@@ -23,6 +23,7 @@ pages! {
     tradeoff = "tradeoff.md",
     archive_diff = "archive-diff.md",
     archive_repair = "archive-repair.md",
+    report = "report.md",
     view = "view.md",
     export = "export.md",
     archive_extract = "archive-extract.md",

@@ -5,7 +5,7 @@ use super::{
 };
 use heliotile::atlas::{PartitionRequest, VerifyRequest};
 use heliotile::cases::{self, *};
-use heliotile::{Provenance, Result};
+use heliotile::{Provenance, ReportRequest, Result};
 
 /// Fills the request of a command and runs it.
 type Start = fn(&Given, Provenance) -> Result<Outcome>;
@@ -40,6 +40,7 @@ runs![
     ("tradeoff", Tradeoff, run::tradeoff),
     ("archive diff", Diff, transfer::diff),
     ("archive repair", Repair, transfer::repair),
+    ("report", ReportRequest, export::report),
     ("view", View, view::run),
     ("export", Export, export::run),
     ("archive extract", Extract, transfer::extract),

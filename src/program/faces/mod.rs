@@ -44,7 +44,7 @@ fn help(row: &Row, named: &dyn Fn(&str) -> String) -> String {
     }
 }
 
-/// Committed files that differ from the generated ones: none, of 32 files. They are written where
+/// Committed files that differ from the generated ones: none, of 34 files. They are written where
 /// `HELIOTILE_WRITE_FACES` is set.
 #[test]
 fn generated_files_are_those_of_the_requests() {

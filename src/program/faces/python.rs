@@ -146,6 +146,7 @@ const CLASSES: &[Class] = &[
     class!("PartitionOptions", "partition", "atlas partition", ["output"], true),
     class!("TradeoffOptions", "tradeoff", "tradeoff", ["receivers", "output", "grid_north"], true),
     class!("RepairOptions", "repair", "archive repair", ["archive", "output", "grid_north"], true),
+    class!("ReportOptions", "report", "report", ["tables", "output"], false),
     class!("MergeOptions", "merge", "archive merge", ["first", "second", "output"], false),
     class!("DiffOptions", "diff", "archive diff", ["first", "second"], false),
     class!("VerifyOptions", "verify", "archive verify", ["archive"], false),

@@ -30,7 +30,7 @@ from .errors import (
 )
 from .results import Results
 from .scene import BuildReport, Plan, Scene, build, plan
-from .studies import LadderStep, Study, Tradeoff, comfort, diff, energyplus, merge, partition, pv, run, tradeoff
+from .studies import LadderStep, Study, Tradeoff, comfort, diff, energyplus, merge, partition, pv, report, run, tradeoff
 from .weather import Weather
 
 __all__ = [
@@ -77,6 +77,7 @@ __all__ = [
     "plan",
     "pv",
     "repair",
+    "report",
     "run",
     "tradeoff",
     "verify",

@@ -1876,6 +1876,22 @@ class RepairOptions(TypedDict, total=False):
     """Called now and then with the stage, the number of items done, and the number of all."""
 
 
+class ReportOptions(TypedDict, total=False):
+    """Options of `report`."""
+
+    title: str | None
+    """Title of the page [default: the question that the first table answers]"""
+
+    rows: int | None
+    """Most rows of each table that are shown; newly broken and broken rules come first, and the page states how many rows it leaves out. Default: `100`."""
+
+    pictures: Place | Sequence[Place] | None
+    """Picture to show, .svg or .png; may be repeated. A picture beside a table that has its name, such as a.svg beside a.csv, is shown without this option."""
+
+    progress: Progress | None
+    """Called now and then with the stage, the number of items done, and the number of all."""
+
+
 class MergeOptions(TypedDict, total=False):
     """Options of `merge`."""
 

@@ -1,11 +1,12 @@
 """Work that writes folders and archives: the program's `run`, `pv`, `comfort`, `energyplus`,
-`tradeoff`, `merge` and `diff`. In: keyword arguments. Out: files, and a summary. Arguments fill the
+`tradeoff`, `report`, `merge` and `diff`. In: keyword arguments. Out: files, and a summary. Arguments fill the
 same requests as the command line."""
 
 from __future__ import annotations
 
 import json
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Unpack
 
@@ -20,6 +21,7 @@ from .options import (
     PartitionOptions,
     PeopleOptions,
     PvOptions,
+    ReportOptions,
     RunOptions,
     TradeoffOptions,
 )
@@ -152,6 +154,16 @@ def tradeoff(scene: Files, receivers: str | os.PathLike[str], output: str | os.P
     ladder = found["ladder"]
     steps = [LadderStep(**step) for step in ladder["steps"]]
     return Tradeoff(found["page"], found["table"], steps, ladder["receivers"], ladder["mean_w_m2"], found["sources"])
+
+
+def report(tables: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], output: str | os.PathLike[str], **options: Unpack[ReportOptions]) -> str:
+    """Writes a statement about tables of results, as one HTML file that prints well: `heliotile
+    report`. Returns a sentence about it.
+
+    `tables`: CSV tables that heliotile wrote, each with its metadata file beside it. The options
+    are those of `heliotile.options.ReportOptions`."""
+    keywords = asked("report", ReportOptions, options, tables=tables, output=output)
+    return _heliotile.report(keywords.args())
 
 
 def merge(first: str | os.PathLike[str], second: str | os.PathLike[str], output: str | os.PathLike[str], **options: Unpack[MergeOptions]) -> Archive:

@@ -81,6 +81,8 @@ mod _heliotile {
     #[pymodule_export]
     use super::studies::repair;
     #[pymodule_export]
+    use super::studies::report;
+    #[pymodule_export]
     use super::studies::run;
     #[pymodule_export]
     use super::studies::tradeoff;

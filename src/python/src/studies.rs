@@ -14,7 +14,7 @@ use heliotile::cases::{
     Audit, Build, Catalogue, Comfort, Diff, Energyplus, Export, Merge, Pv, Receivers, Repair, Run, Tradeoff, Update,
     View,
 };
-use heliotile::{Access, Error, PageRequest, Result, Scene, SceneRequest};
+use heliotile::{Access, Error, PageRequest, ReportRequest, Result, Scene, SceneRequest};
 
 /// Folder, archive, names of files, and a table as text.
 type Study = (PathBuf, PathBuf, Vec<String>, String);
@@ -199,6 +199,14 @@ pub fn tradeoff(py: Python<'_>, asked: Keywords, progress: Option<Bound<'_, PyAn
 #[pyfunction]
 pub fn export(py: Python<'_>, asked: Keywords) -> PyResult<()> {
     asked.run::<Export, _>(py, &[], None, |args, about, resources| args.request().write(about, resources))
+}
+
+/// Writes a statement about tables. Returns a sentence about it.
+#[pyfunction]
+pub fn report(py: Python<'_>, asked: Keywords) -> PyResult<String> {
+    asked.run::<ReportRequest, _>(py, &[], None, |args, about, resources| {
+        args.write(&about, resources.observer).map(|done| done.text())
+    })
 }
 
 /// Writes the web page that shows an archive.

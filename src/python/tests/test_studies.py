@@ -217,3 +217,23 @@ def test_a_scene_with_y_up_is_turned(tmp_path: Path) -> None:
     with pytest.raises(heliotile.ArgumentError) as refused:
         heliotile.Scene(tmp_path / "z.obj", latitude=91.0, longitude=0.0)
     assert refused.value.argument == "latitude"
+
+
+def test_report_is_the_programs(tmp_path: Path) -> None:
+    """A statement about a table of 78 rows holds its verdicts, its hash and the call; a table that was edited is refused."""
+    table, page = tmp_path / "walls.csv", tmp_path / "statement.html"
+    scene = heliotile.Scene(DATA / "hague" / "scene.obj", materials=DATA / "hague" / "materials.toml", crs=28992)
+    site = heliotile.build(scene, DATA / "hague" / "receivers.csv", tmp_path / "site.helio", quality="draft")
+    site.sunlight(table, rules=["tno-light"], year=2019)
+    said = heliotile.report(table, page, title="Sun <here>", rows=5)
+    text = page.read_text()
+    assert said.startswith("1 table, 78 rows; tno-light: ") and "5 rows of 78 are shown, 73 are left out." in text
+    stated = json.loads((tmp_path / "walls.csv-metadata.json").read_text())["schema:additionalProperty"]
+    stated = {one["schema:name"]: one["schema:value"] for one in stated}
+    for part in ["<h1>Sun &lt;here&gt;</h1>", "heliotile.Archive.sunlight", stated["heliotile.table_blake3"], stated["heliotile.archive_root"]]:
+        assert part in text, part
+    program("report", table, "--title", "Sun <here>", "--rows", 5, "-o", tmp_path / "other.html")
+    assert (tmp_path / "other.html").read_text().split("<footer>")[0] == text.split("<footer>")[0]
+    table.write_text(table.read_text().replace("broken", "met"))
+    with pytest.raises(heliotile.InputError, match="was changed since heliotile wrote it"):
+        heliotile.report([table], page)
