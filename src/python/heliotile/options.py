@@ -1883,7 +1883,7 @@ class ReportOptions(TypedDict, total=False):
     """Title of the page [default: the question that the first table answers]"""
 
     rows: int | None
-    """Most rows of each table that are shown; broken rules come first, and the page states how many rows it leaves out. Default: `100`."""
+    """Most rows of each table that are shown; newly broken and broken rules come first, and the page states how many rows it leaves out. Default: `100`."""
 
     pictures: Place | Sequence[Place] | None
     """Picture to show, .svg or .png; may be repeated. A picture beside a table that has its name, such as a.svg beside a.csv, is shown without this option."""

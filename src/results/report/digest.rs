@@ -29,6 +29,8 @@ pub struct RuleVerdicts {
     pub rule: String,
     /// `[verdict]`, as in [`Verdict::ALL`], and last the number of places without one.
     counts: [u64; Verdict::ALL.len() + 1],
+    /// Number of places that break the rule, and did not before a change.
+    newly_broken: u64,
 }
 
 /// Summary of a column.
@@ -48,12 +50,12 @@ pub struct ColumnDigest {
 }
 
 impl TableDigest {
-    /// Reads a table and keeps at most `most` rows: broken rules first, then by the name of the
-    /// place.
+    /// Reads a table and keeps at most `most` rows: newly broken rules first, then those that
+    /// were broken before, then by the name of the place.
     pub fn of(table: &DescribedTable, most: usize) -> Result<Self> {
         let columns = &table.columns;
         let place_of = |name: &str| columns.iter().position(|column| column.name == name);
-        let (rule, verdict) = (place_of("rule"), place_of("verdict"));
+        let [rule, verdict, before] = ["rule", "verdict", "verdict_before"].map(place_of);
         let names_place =
             |column: &DescribedColumn| column.datatype == "string" && !NO_PLACES.contains(&column.name.as_str());
         let place = columns.iter().position(names_place);
@@ -70,16 +72,20 @@ impl TableDigest {
             let cells: Vec<String> = (0..columns.len()).map(|place| csv.cell(place).to_owned()).collect();
             let cell = |place: Option<usize>| place.and_then(|place| cells.get(place)).map_or("", String::as_str);
             let name = cell(place);
-            let rank = verdict.map_or(0, |_| rank(cell(verdict)));
+            let rank_of = |place: Option<usize>| place.map_or(0, |_| rank(cell(place)));
+            let (rank, rank_before) = (rank_of(verdict), rank_of(before));
+            let is_newly_broken = rank == 0 && (1..Verdict::ALL.len()).contains(&rank_before);
             if verdict.is_some() {
-                digest.count(cell(rule), rank);
+                let of_rule = digest.rule(cell(rule));
+                of_rule.counts[rank] += 1;
+                of_rule.newly_broken += u64::from(is_newly_broken);
             }
             for (i, (summary, cell)) in digest.columns.iter_mut().zip(&cells).enumerate() {
                 let is_number = columns[i].datatype == "number";
                 summary.add(cell, is_number);
                 summary.is_in_name &= !is_number && Some(i) != place && name.starts_with(cell.as_str());
             }
-            kept.insert((rank, natural(name), digest.rows), cells);
+            kept.insert((rank, !is_newly_broken, natural(name), digest.rows), cells);
             if kept.len() > most {
                 kept.pop_last();
             }
@@ -89,12 +95,13 @@ impl TableDigest {
         Ok(digest)
     }
 
-    fn count(&mut self, rule: &str, rank: usize) {
+    /// Returns the counts of a rule.
+    fn rule(&mut self, rule: &str) -> &mut RuleVerdicts {
         let known = self.rules.iter().position(|one| one.rule == rule).unwrap_or(self.rules.len());
         if known == self.rules.len() {
-            self.rules.push(RuleVerdicts { rule: rule.to_owned(), counts: Default::default() });
+            self.rules.push(RuleVerdicts { rule: rule.to_owned(), counts: Default::default(), newly_broken: 0 });
         }
-        self.rules[known].counts[rank] += 1;
+        &mut self.rules[known]
     }
 }
 
@@ -104,7 +111,9 @@ impl RuleVerdicts {
         let names = Verdict::ALL.map(|(verdict, name, _)| (name, verdict != Verdict::Close));
         let names = names.into_iter().chain([("not applicable", false)]);
         let counts = names.zip(self.counts).filter(|((_, is_always), count)| *is_always || *count > 0);
-        let counts: Vec<String> = counts.map(|((name, _), count)| format!("{count} {name}")).collect();
+        let counts = counts.map(|((name, _), count)| (name, count));
+        let newly = [("newly broken", self.newly_broken)].into_iter().filter(|(_, count)| *count > 0);
+        let counts: Vec<String> = counts.chain(newly).map(|(name, count)| format!("{count} {name}")).collect();
         format!("{}: {}", self.rule, counts.join(", "))
     }
 }

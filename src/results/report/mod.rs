@@ -33,8 +33,8 @@ pub struct ReportRequest {
     pub output: PathBuf,
     /// Title of the page [default: the question that the first table answers].
     pub title: Option<String>,
-    /// Most rows of each table that are shown; broken rules come first, and the page states how
-    /// many rows it leaves out.
+    /// Most rows of each table that are shown; newly broken and broken rules come first, and the
+    /// page states how many rows it leaves out.
     #[field(default = 100, range = 1..=100_000)]
     pub rows: usize,
     /// Picture to show, .svg or .png; may be repeated. A picture beside a table that has its name,

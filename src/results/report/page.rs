@@ -21,9 +21,9 @@ const STYLE: &str = include_str!("report.css");
 /// Columns of positions and directions, which nobody reads on paper.
 const POSITIONS: [&str; 6] = ["x", "y", "z", "nx", "ny", "nz"];
 
-/// Most columns that name rows, and most columns beside them that fit on upright paper.
+/// Most columns that fit on upright paper, and most of these that name rows.
+const COLUMNS: usize = 9;
 const KEYS: usize = 2;
-const PART: usize = 7;
 
 /// Rows above those of a table.
 const RANGES: [&str; 3] = ["least", "mean", "greatest"];
@@ -152,7 +152,11 @@ fn put_table(out: &mut String, section: &Section) {
     // Each part of a wide table begins with the columns that name its rows.
     let keys = shown.iter().take_while(|one| !one.is_number()).count().clamp(1, KEYS);
     let (keys, values) = shown.split_at(keys.min(shown.len()));
-    let parts: Vec<&[PageColumn]> = if values.is_empty() { vec![&[]] } else { values.chunks(PART).collect() };
+    let count = values.len().div_ceil(COLUMNS - keys.len()).max(1);
+    let parts: Vec<&[PageColumn]> = match values.chunks(values.len().div_ceil(count).max(1)).collect::<Vec<_>>() {
+        none if none.is_empty() => vec![&[]],
+        parts => parts,
+    };
     for (number, part) in parts.iter().enumerate() {
         if parts.len() > 1 {
             put!(out, "<p class=\"note\">Columns, part {} of {}:</p>\n", number + 1, parts.len());
@@ -240,7 +244,9 @@ fn put_check(out: &mut String, section: &Section) {
     let (version, command) = (said("version").unwrap_or_default(), said("command").unwrap_or_default());
     put!(out, "<dt>Version</dt><dd>heliotile {version}</dd>\n");
     let verb = if command.starts_with("heliotile.") { "Call in Python" } else { "Command" };
-    put!(out, "<dt>{verb}</dt><dd><code>{command}</code></dd>\n");
+    // Lines break between words only: `--zone` stays whole when it is copied from paper.
+    let spans: Vec<String> = command.split(' ').map(|word| format!("<span>{word}</span>")).collect();
+    put!(out, "<dt>{verb}</dt><dd><code>{}</code></dd>\n", spans.join(" "));
     let options = object(table, "options");
     let options = options.iter().filter(|(_, value)| **value != Value::Null);
     let options: Vec<String> = options.map(|(name, value)| format!("{name} = {}", words(value))).collect();
