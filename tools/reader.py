@@ -16,7 +16,7 @@ Canonical bytes of an array are its values without gaps, little-endian; strings:
              windows: u32 row, u8 mirrors, u16 each, of kind mirror also u16 column, row, side; bits: of each window, of
              kind mirror refined as sky, of cells u32 number of texels, u16 each; paths: u32 row, u32 texel (of cells u8: starts above the horizon), level i8,
              facing u8, material u16, voxel 3 x i32, u8 steps, each u16 material, u8 cosine
-  other rows of bytes (3.9)  lengths: u32 [row]; bytes: all rows
+  other rows of bytes (3.9)  lengths: u32 [row]; bytes: all rows; of kind canopy also crossings: u32 row, u32 ray to the sky, u16 material, u16 count
 """
 import json
 import math
@@ -75,7 +75,7 @@ BANDS = [("material", "1H", None), ("property", "1B", lambda p: p <= 3), ("band"
          ("value", "1d", share)]
 KINDS = {1: ("receivers", 1, RECEIVERS), 2: ("sky", 1, None), 3: ("hit", 4, None), 4: ("response", 2, None),
          5: ("probes", 4, CELLS), 6: ("bounce", 4, CELLS), 7: ("index", 2, KEY), 8: ("mirror", 2, None),
-         9: ("canopy", 3, None), 10: ("materials", 2, MATERIALS), 11: ("optics", 1, OPTICS),
+         9: ("canopy", 4, None), 10: ("materials", 2, MATERIALS), 11: ("optics", 1, OPTICS),
          12: ("probe-mirror", 2, None), 13: ("bounce-mirror", 2, None), 14: ("probe-canopy", 3, None),
          15: ("bounce-canopy", 3, None), 16: ("mirrors", 1, MIRRORS), 17: ("parts", 1, PARTS),
          18: ("scene", 1, SCENE), 19: ("overview", 1, OVERVIEW), 20: ("extents", 1, EXTENTS),
@@ -287,6 +287,7 @@ class Values:
             self.tables.append(table)
         need(len(raw) >= at + 32 and (len(raw) - at) % 2 == 0, "states or half a word is missing")
         self.states = list(struct.unpack_from("<8I", raw, at))
+        need(min(self.states) >= 65536, "a state is too small")
         self.words = iter(struct.unpack(f"<{(len(raw) - at) // 2 - 16}H", raw[at + 32:]))
 
     def move(self, number, state):
@@ -309,6 +310,9 @@ class Values:
             return symbol
         low = min(symbol - 12, 12)
         return 1 << symbol - 12 | self.bits(number, low) | self.bits(number, symbol - 12 - low) << low
+
+    def is_done(self):
+        return set(self.states) == {65536} and next(self.words, None) is None
 
 
 def cosine_of(sixteenths):
@@ -385,7 +389,7 @@ def response(raw, rows, side):
                 t = p * u + q * v
                 found.append(((r - t) * sx + p, (r - t) * sy + q, r * sz - (p * sx + q * sy)))
             out += [g[axis] for axis in range(3) for g in found]
-    need(set(values.states) == {65536} and next(values.words, None) is None, "the code does not end with the values")
+    need(values.is_done(), "the code does not end with the values")
     return {"g": struct.pack(f"<{len(out)}f", *out)}
 
 
@@ -465,28 +469,112 @@ def mirrors(raw, rows, s, kind, numbers, materials):
     return found, seen
 
 
+def planes(row, bits, count):
+    """Counts along so many rays, from bit planes."""
+    need(bits <= 10, f"counts of {bits} bits")
+    blocks = -(-count // 64)
+    mask, counts = int.from_bytes(row.bytes(-(-blocks // 8)), "little"), []
+    need(mask.bit_length() <= blocks, "a block behind the last ray")
+    for block in range(blocks):
+        words = row.take(f"<{bits}Q") if mask >> block & 1 else (0,)
+        need(any(words) or not mask >> block & 1, "a block without a count")
+        counts += [sum((word >> i & 1) << bit for bit, word in enumerate(words)) for i in range(64)]
+    need(not any(counts[count:]), "a ray behind the last one")
+    need(max(counts).bit_length() == bits, "more bits than the counts have")
+    return counts[:count]
+
+
+def unfolded(z, p):
+    """The code whose distance from the prediction p is folded to z."""
+    m = max(min(p - 1, 1023 - p), 0)
+    d = z - m if z > 2 * m else -(-z // 2)
+    code = p + d if (p - 1 <= m if z > 2 * m else z % 2) else p - d
+    need(1 <= code <= 1023, f"code {code}")
+    return code
+
+
+def frequencies(counts):
+    """Bytes of the frequencies of the symbols of a context."""
+    total = sum(counts)
+    scaled = [max(512 * count // max(total, 1), count > 0) for count in counts]
+    largest = max(range(36), key=lambda symbol: (scaled[symbol], -symbol))
+    scaled[largest] += 512 - sum(scaled)
+    while not scaled[-1]:
+        scaled.pop()
+    return b"".join(bytes([f]) if f < 128 else bytes([128 + f % 128, f // 128]) for f in scaled)
+
+
+def context(first, codes, thresholds, apart):
+    """Context of a value among those that begin with `first`, by the codes of the texels around."""
+    return first + (2 + sum(apart >= t for t in thresholds) if all(codes) else any(codes))
+
+
+def predicted(raw, side):
+    """Predicted codes along a square, row-major."""
+    n, wide = side // 2, -(-side // 16)
+    need(side % 2 == 0, "predicted codes along an odd square")
+    size = -(-wide * wide // 8)
+    mask = int.from_bytes(raw[:size], "little")
+    need(0 < mask < 1 << wide * wide and len(raw) >= 8 * mask.bit_count(), "patches that cannot be")
+    values, counts, codes = Values(raw[size:], 19), [[0] * 36 for _ in range(19)], [0] * (side * side)
+
+    def take(context, i):
+        z = values.take(context, i % 8)
+        counts[context][z if z < 16 else z.bit_length() + 11] += 1
+        return z
+
+    def even(j, i):
+        return codes[2 * (j * side + i)] if 0 <= j and 0 <= i < n else 0
+
+    places = [(j, i) for j in range(n) for i in range(n) if mask >> (j // 8 * wide + i // 8) & 1]
+    for j, i in places:
+        w, n_, x, e = even(j, i - 1), even(j - 1, i), even(j - 1, i - 1), even(j - 1, i + 1)
+        p = max(min(max(w + n_ - x, min(w, n_)), max(w, n_)), 1)
+        z = take(context(0, (w, n_, x, e), (4, 12, 40), abs(w - x) + abs(n_ - x) + abs(e - n_)), i)
+        codes[2 * (j * side + i)] = unfolded(z - 1, p) if z else 0
+    for j, i in places:
+        right, below = min(i + 1, n - 1), min(j + 1, n - 1)
+        a, b, c, d = even(j, i), even(j, right), even(below, i), even(below, right)
+        others = take(context(6, (a, b, c, d), (10, 18, 32, 64), max(a, b, c, d) - min(a, b, c, d)), i)
+        need(others <= 7, f"texels {others} of three")
+        for k, (beside, place) in enumerate([((a, b), 1), ((a, c), side), ((a, b, c, d), side + 1)]):
+            lit = [code for code in beside if code]
+            code = (2 * sum(lit) + len(lit)) // (2 * len(lit)) if lit else 0
+            if others >> k & 1:
+                z = take(context(13, beside, (8, 24, 80), max(beside) - min(beside)), i)
+                need(z or code, "a texel that is as predicted")
+                code = unfolded(z, code) if z else 0
+            codes[2 * (j * side + i) + place] = code
+    need(values.is_done(), "the code does not end with the values")
+    need(raw[size:].startswith(b"".join(map(frequencies, counts))), "frequencies are not those of the values")
+    coded = {place // side // 16 * wide + place % side // 16 for place, code in enumerate(codes) if code}
+    need(len(coded) == mask.bit_count(), "a patch without a code")
+    return codes
+
+
 def crossings(raw, rows, s, kind):
     """The rows of a block of canopies, the keys of the cells of leaves that are seen, and the materials that are crossed."""
-    found = rows_of_bytes(raw, rows)
+    found, rays_crossed = rows_of_bytes(raw, rows), []
     lengths, at, seen, crossed = struct.unpack(f"<{rows}I", found["lengths"]), 4 * rows, [], set()
     side = min(4 * s["sky_base"], s["sky_fine"])
     while side > 256 and side % 2 == 0:
         side //= 2
     rays = {"canopy": (side ** 2, s["hit"] ** 2), "probe-canopy": (s["probe"] ** 2, s["probe_hits"]),
             "bounce-canopy": (s["bounce_sky"] ** 2, s["bounce_hits"])}[kind]
-    for length in lengths:
+    for number, length in enumerate(lengths):
         row, at, last = Bytes(raw[at:at + length]), at + length, None
         materials = [row.take("<H")[0] for _ in range(row.take("<H")[0] if length else 0)]
         need(all(a < b for a, b in zip(materials, materials[1:])), "canopies do not ascend")
         crossed.update(materials)
-        for count in rays * len(materials):
-            bits, = row.take("<B")
-            need(bits <= 10, f"counts of {bits} bits")
-            blocks = int.from_bytes(row.bytes(-(--(-count // 64) // 8)) if bits else b"", "little")
-            last_block = blocks.bit_length() - 1
-            words = row.bytes(8 * bits * blocks.bit_count())
-            ends = [int.from_bytes(words[i:i + 8], "little").bit_length() for i in range(max(len(words) - 8 * bits, 0), len(words), 8)]
-            need(not ends or 64 * last_block + max(ends) <= count, "a ray behind the last one")
+        for material, sky, count in [(m, i == 0, c) for m in materials for i, c in enumerate(rays)]:
+            form, = row.take("<B")
+            counts = []
+            if form == 128 and sky and kind == "canopy":
+                counts = predicted(row.bytes(*row.take("<I")), side)
+            elif form:
+                counts = planes(row, form, count)
+            if sky:
+                rays_crossed += [(number, ray, material, count) for ray, count in enumerate(counts) if count]
         while row.at < length:
             (key, packed), share, before = row.key(), row.take("<f")[0], row.take("<B")[0]
             before = [row.take("<HH") for _ in range(before)]
@@ -498,6 +586,8 @@ def crossings(raw, rows, s, kind):
             last = (key, before)
             seen.append(key)
         need(bool(materials or last) == bool(length), "a row without canopies")
+    if kind == "canopy":
+        found["crossings"] = b"".join(struct.pack("<IIHH", *one) for one in sorted(rays_crossed))
     return found, seen, crossed
 
 

@@ -1,5 +1,6 @@
 //! The corpus of the fuzzers: readers return for any bytes.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use std::process::Command;
@@ -10,6 +11,7 @@ use heliotile_core::archive::format::{BlockKind, TileNumber};
 use heliotile_core::archive::manifest::Settings;
 use heliotile_core::archive::{Access, Archive, encode, format, verify};
 use heliotile_core::hemisphere::mix;
+use heliotile_core::layers::canopy::{Canopy, RayLists};
 use heliotile_core::layers::extras;
 use heliotile_core::layers::mirror::{CellMirrors, ReceiverMirrors};
 use heliotile_core::layers::response;
@@ -79,8 +81,8 @@ fn corpus_is_survived() {
     assert!(output.status.success() && out.contains("all of them"), "at {last}: {}\n{err}", output.status);
 }
 
-/// Every valid seed is accepted: an archive is verified without a problem, and mended checksums are
-/// the original ones.
+/// Every valid seed is accepted: an archive is verified without a problem, mended checksums are the
+/// original ones, and both rows of canopies are read.
 #[test]
 fn seeds_are_valid() {
     let seed = |target: &str| {
@@ -95,6 +97,11 @@ fn seeds_are_valid() {
     fs::write(&path, archive).expect("written");
     let report = verify(&path, Access::Read, true).expect("an archive");
     assert_eq!((report.problems.len(), report.blocks), (0, 18));
+    let canopies: BTreeMap<String, Vec<u8>> = corpus("canopy").into_iter().collect();
+    for (name, side) in [("seed", 8), ("predicted", 32)] {
+        let rays = RayLists::of_receiver(side, 16);
+        assert!(Canopy::from_bytes(&canopies[name][2..], rays, |material| material < 4).is_some(), "{name}");
+    }
 }
 
 /// The seeds of all 16 formats of scenes are scenes of 1 to 110 triangles.

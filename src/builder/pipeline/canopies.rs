@@ -69,7 +69,8 @@ impl SiteTracer<'_> {
         let leaves = if scatter { self.leaves_of_receiver(view, canopies, &passages) } else { Vec::new() };
         passages.retain(|passage| hits.distances_m[passage.place as usize].is_finite());
         let crossings = [&sky[..], &canopies.counted(&passages)];
-        (Canopy::new(crossings, rays, leaves), cast)
+        let is_volume = |material: u16| canopies.volumes().stopped(material).is_some();
+        (Canopy::new(crossings, rays, leaves).with_predicted(is_volume), cast)
     }
 
     /// Returns the cells of leaves that a receiver with these hits sees; none if leaves scatter

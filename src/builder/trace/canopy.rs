@@ -201,17 +201,22 @@ impl<'a> Canopies<'a> {
         }
     }
 
-    /// Returns the count or the code before a leaf, `None` for next to nothing. Lengths are
-    /// rounded, so that leaves of a cell behind about as many others are one.
-    fn code_before(&self, material: u16, amount: f64) -> Option<u16> {
-        let code = self.code(material, amount);
+    /// Returns the count of crossings of a material, or the code of a length, rounded to a multiple
+    /// of `step`; `None` for next to nothing.
+    fn rounded(&self, material: u16, count: u16, step: u16) -> Option<u16> {
         match self.volumes.stopped(material) {
-            Some(_) => {
-                let nearest = (code + CODES_BEFORE / 2).min(COUNTS as u16 - 1) / CODES_BEFORE * CODES_BEFORE;
-                Some(nearest).filter(|code| *code > 0)
-            }
-            None => Some(code),
+            Some(_) => Some((count + step / 2).min(COUNTS as u16 - 1) / step * step).filter(|code| *code > 0),
+            None => Some(count),
         }
+    }
+
+    /// Returns the crossings of the rays of a cell, with rounded lengths.
+    fn counted_of_cell(&self, passages: &[Passage]) -> Vec<Crossing> {
+        let rounded = |crossing: Crossing| {
+            let count = self.rounded(crossing.material, crossing.count, CODES_OF_CELL)?;
+            Some(Crossing { count, ..crossing })
+        };
+        self.counted(passages).into_iter().filter_map(rounded).collect()
     }
 
     /// Returns the materials that a ray crosses nearer than a distance, ascending, with the number
@@ -328,8 +333,10 @@ impl<'a> SeenLeaves<'a> {
     pub fn add(&mut self, passage: &Passage, share: f64, cell: impl Fn(&LeafHit) -> CellKey) {
         let draw = passage.draw();
         for leaf in self.canopies.leaves(passage, |material| unit(mix(draw.to_bits(), u64::from(material)))) {
-            let code =
-                |&(material, amount): &(u16, f64)| Some((material, self.canopies.code_before(material, amount)?));
+            let code = |&(material, amount): &(u16, f64)| {
+                let code = self.canopies.code(material, amount);
+                Some((material, self.canopies.rounded(material, code, CODES_BEFORE)?))
+            };
             let before = leaf.before.iter().filter_map(code).collect();
             *self.shares.entry((cell(&leaf), before)).or_default() += share * leaf.weight;
         }
@@ -367,8 +374,13 @@ impl<'a> SeenLeaves<'a> {
     }
 }
 
-/// Step of the codes of lengths before leaves: 17 % of the length, 8.6 cm of short ones.
+/// Step of the codes of lengths before leaves: 17 % of the length, 8.6 cm of short ones. So leaves
+/// of a cell behind about as many others are one.
 const CODES_BEFORE: u16 = 32;
+
+/// Step of the codes of lengths along the rays of a cell: 4 % of the length, 2 cm of short ones. A
+/// cell reflects the mean of its texels.
+const CODES_OF_CELL: u16 = 8;
 
 /// Factor by which each leaf in front is likely to dim the light of a leaf, and the smallest one of
 /// all leaves in front: a replay with fewer leaves must not lose the light of all leaves behind.
@@ -441,7 +453,7 @@ impl CellCrossings {
         let seen: Vec<Path> = order.iter().zip(0..).filter_map(path).collect();
         let rays = (sky.len() + seen.len()) as u64;
         let [to_sky, to_seen] = [canopies.passages(&sky), canopies.passages(&seen)];
-        let (sky, seen) = (canopies.counted(&to_sky), canopies.counted(&to_seen));
+        let [sky, seen] = [&to_sky, &to_seen].map(|passages| canopies.counted_of_cell(passages));
         let mut leaves = SeenLeaves::new(canopies);
         if let Some(closed) = view.closed_level.filter(|_| !(to_sky.is_empty() && to_seen.is_empty())) {
             let mut see = |passage: &Passage, share: f64| {

@@ -1,27 +1,30 @@
 //! Crossings of canopies on the way to the sky. In: the texels of a receiver's square that may show
 //! sky. Out: the crossings along a ray through each.
 //!
-//! Rays are cast through every second texel of every second row. In between, lengths in volumes are
-//! interpolated, unless they differ much: there is an edge, and a ray is cast. The sun at the edge
-//! of a crown needs fine texels, the middle of a crown does not.
+//! Rays are cast through every second texel of every second row. In between, the codes of lengths
+//! in volumes are interpolated, unless they differ much: there is an edge, and a ray is cast. The
+//! sun at the edge of a crown needs fine texels, the middle of a crown does not. The layer predicts
+//! the same codes, so that interpolated ones take next to no bytes.
 
 use std::collections::BTreeMap;
 
-use crate::trace::canopy::{Canopies, Path};
+use crate::trace::canopy::{Canopies, Passage, Path};
 use crate::trace::kernel::ray::Ray;
 use crate::trace::kernel::rays::Tracer;
 use crate::trace::viewpoint::Viewpoint;
 use crate::trace::volume::USUALLY_STOPPED;
 use glam::DVec2;
 use heliotile_core::hemisphere::texel_direction;
+use heliotile_core::layers::canopy::{length_of, mean_code};
 use heliotile_core::site::crossing::Crossing;
 
 /// Largest difference of the light left along neighbouring rays, at the usual density of leaves,
 /// between which lengths are interpolated.
 const MOST_APART: f64 = 0.04;
 
-/// Materials that a ray crosses, ascending, with the number of crossings, or the length inside.
-type Amounts = Vec<(u16, f64)>;
+/// Materials that a ray crosses, ascending, with the number of crossings, or the code of the length
+/// inside.
+type Counts = Vec<(u16, u16)>;
 
 impl Canopies<'_> {
     /// Returns the crossings of rays through some texels (column and row) of a square of `side`
@@ -40,58 +43,57 @@ impl Canopies<'_> {
         // `[texel]`: true if a ray was cast through it at first.
         let mut cast = vec![false; side * side];
         first.iter().for_each(|texel| cast[*texel] = true);
-        let mut found = self.amounts(&view.sky_paths(side, &first, tracer));
-        let none = Amounts::new();
+        let mut found = self.counts(&view.sky_paths(side, &first, tracer));
+        let none = Counts::new();
         let (mut told, mut asked) = (Vec::new(), Vec::new());
         for texel in between {
             let beside = around(texel, side).filter(|other| cast[*other]);
-            let rays: Vec<&Amounts> = beside.map(|other| found.get(&other).unwrap_or(&none)).collect();
+            let rays: Vec<&Counts> = beside.map(|other| found.get(&other).unwrap_or(&none)).collect();
             match self.between(&rays) {
-                Some(amounts) => told.push((texel, amounts)),
+                Some(counts) => told.push((texel, counts)),
                 None => asked.push(texel),
             }
         }
-        found.extend(self.amounts(&view.sky_paths(side, &asked, tracer)));
+        found.extend(self.counts(&view.sky_paths(side, &asked, tracer)));
         found.extend(told);
-        let crossing = |texel: usize, (material, amount): (u16, f64)| Crossing {
-            ray: texel as u32,
-            material,
-            count: self.code(material, amount),
-        };
+        let crossing = |texel: usize, (material, count): (u16, u16)| Crossing { ray: texel as u32, material, count };
         let crossings =
             found.into_iter().flat_map(|(texel, of_ray)| of_ray.into_iter().map(move |one| crossing(texel, one)));
         (crossings.collect(), (first.len() + asked.len()) as u64)
     }
 
-    /// Returns the amounts of the rays that cross anything, by place.
-    fn amounts(&self, paths: &[Path]) -> BTreeMap<usize, Amounts> {
+    /// Returns the counts of the rays that cross anything, by place.
+    fn counts(&self, paths: &[Path]) -> BTreeMap<usize, Counts> {
         let passages = self.passages(paths);
-        passages.iter().map(|passage| (passage.place as usize, self.crossed_before(passage, f64::INFINITY))).collect()
+        let counts = |passage: &Passage| {
+            let crossed = self.crossed_before(passage, f64::INFINITY).into_iter();
+            crossed.map(|(material, amount)| (material, self.code(material, amount))).collect()
+        };
+        passages.iter().map(|passage| (passage.place as usize, counts(passage))).collect()
     }
 
-    /// Returns the amounts between some rays: mean lengths in volumes, and the crossings of the
-    /// first ray. `None` if the rays are none or differ much in volumes.
-    fn between(&self, rays: &[&Amounts]) -> Option<Amounts> {
+    /// Returns the counts between some rays: mean codes in volumes, and the crossings of the first
+    /// ray. `None` if the rays are none or differ much in volumes.
+    fn between(&self, rays: &[&Counts]) -> Option<Counts> {
         let first = rays.first()?;
-        let of =
-            |amounts: &Amounts, material: u16| amounts.iter().find(|one| one.0 == material).map_or(0.0, |one| one.1);
-        let mut materials: Vec<u16> = rays.iter().flat_map(|amounts| amounts.iter().map(|one| one.0)).collect();
+        let of = |counts: &Counts, material: u16| counts.iter().find(|one| one.0 == material).map_or(0, |one| one.1);
+        let mut materials: Vec<u16> = rays.iter().flat_map(|counts| counts.iter().map(|one| one.0)).collect();
         materials.sort_unstable();
         materials.dedup();
-        let mut between = Amounts::new();
+        let mut between = Counts::new();
         for material in materials {
             if self.volumes().stopped(material).is_none() {
                 between.extend(first.iter().filter(|one| one.0 == material));
                 continue;
             }
-            let lengths = rays.iter().map(|amounts| of(amounts, material));
-            let [least, most] =
-                lengths.clone().fold([f64::INFINITY, 0.0], |[a, b], l| [f64::min(a, l), f64::max(b, l)]);
-            let left = |length: f64| (-USUALLY_STOPPED * length).exp();
-            if left(least) - left(most) > MOST_APART || least == 0.0 {
+            let codes = rays.iter().map(|counts| of(counts, material));
+            let [least, most] = codes.clone().fold([u16::MAX, 0], |[a, b], code| [a.min(code), b.max(code)]);
+            let left = |code: u16| (-USUALLY_STOPPED * length_of(code)).exp();
+            if left(least) - left(most) > MOST_APART || least == 0 {
                 return None;
             }
-            between.push((material, lengths.sum::<f64>() / rays.len() as f64));
+            // What the layer predicts: it takes next to no bytes.
+            between.push((material, mean_code(codes.map(u32::from).sum(), rays.len() as u32) as u16));
         }
         Some(between)
     }

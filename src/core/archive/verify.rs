@@ -24,7 +24,7 @@ use crate::archive::tables::{
 };
 use crate::error::{Error, Result};
 use crate::layers::canopy;
-use crate::layers::canopy::Canopy;
+use crate::layers::canopy::{Canopy, RayLists};
 use crate::layers::extras;
 use crate::layers::hit::HitTile;
 use crate::layers::mirror::{CellMirrors, ReceiverMirrors};
@@ -177,6 +177,7 @@ fn check(archive: &Archive, entry: &Entry, site: &Site) -> Result<()> {
     let shape = |good: bool| {
         if good { Ok(()) } else { Err(block.corrupt("a malformed layer", "a layer that matches the manifest")) }
     };
+    let cell = |side: u32, seen: u32| RayLists::of_cell((side as usize).saturating_pow(2), seen as usize);
     match entry.kind {
         RECEIVERS => ReceiversTable::from_block(&block).map(|_| ()),
         PARTS => {
@@ -226,13 +227,19 @@ fn check(archive: &Archive, entry: &Entry, site: &Site) -> Result<()> {
         },
         CANOPY if site.keys.is_some() => {
             let sky = canopy::sky_side(settings.sky_base as usize, settings.sky_fine as usize);
-            check_canopies(archive, &block, RECEIVERS, [sky, settings.hit as usize], None, site)
+            check_canopies(
+                archive,
+                &block,
+                RECEIVERS,
+                RayLists::of_receiver(sky, (settings.hit as usize).saturating_pow(2)),
+                site,
+            )
         }
         PROBE_CANOPY if site.keys.is_some() => {
-            check_canopies(archive, &block, PROBES, [settings.probe as usize, 0], Some(settings.probe_hits), site)
+            check_canopies(archive, &block, PROBES, cell(settings.probe, settings.probe_hits), site)
         }
         BOUNCE_CANOPY if site.keys.is_some() => {
-            check_canopies(archive, &block, BOUNCE, [settings.bounce_sky as usize, 0], Some(settings.bounce_hits), site)
+            check_canopies(archive, &block, BOUNCE, cell(settings.bounce_sky, settings.bounce_hits), site)
         }
         kind if format::schema_of(kind).is_some() => block.require(&[kind]),
         _ => Ok(()),
@@ -324,20 +331,10 @@ fn same_rows(archive: &Archive, block: &Block, of: BlockKind) -> Result<()> {
     Err(block.corrupt(format!("{rows} rows"), format!("as many as {}", format::block_name(of, tile))))
 }
 
-/// Checks the crossings of the rows of a block of another kind. `sides` are those of the two
-/// squares of rays; `seen` replaces the second square by a number of rays.
-fn check_canopies(
-    archive: &Archive,
-    block: &Block,
-    of: BlockKind,
-    sides: [usize; 2],
-    seen: Option<u32>,
-    site: &Site,
-) -> Result<()> {
+/// Checks the crossings of the rows of a block of another kind.
+fn check_canopies(archive: &Archive, block: &Block, of: BlockKind, rays: RayLists, site: &Site) -> Result<()> {
     let rows = block.items();
     same_rows(archive, block, of)?;
-    let [sky, square] = sides.map(|side| side.saturating_mul(side));
-    let rays = [sky, seen.map_or(square, |rays| rays as usize)];
     let is_canopy = |material: u16| site.canopies.get(usize::from(material)).is_some_and(|kind| *kind > 0);
     let good = |row: &Vec<u8>| Canopy::from_bytes(row, rays, is_canopy).is_some();
     match extras::unpack(block.bytes(), rows as usize) {

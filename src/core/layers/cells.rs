@@ -1,7 +1,7 @@
 //! Cells as plain tables, sorted by key, for fine probes and for the coarse cells of the bounce
 //! system. In: traced cells, or tables of an archive. Out: columns that a replay reads.
 
-use crate::layers::canopy::Canopy;
+use crate::layers::canopy::{Canopy, RayLists};
 use crate::layers::mirror::CellMirrors;
 use crate::site::cells::{CellKey, CellMap};
 
@@ -126,7 +126,7 @@ impl Cell {
             normal: [x, y, z].map(f32::from_le_bytes),
             bits: bits.to_vec(),
             mirrors: CellMirrors::from_bytes(mirrors, bits.len())?,
-            canopy: Canopy::from_bytes(canopy, [texels, rays.len()], |_| true)?,
+            canopy: Canopy::from_bytes(canopy, RayLists::of_cell(texels, rays.len()), |_| true)?,
             seen: rays.iter().map(ray).collect(),
             doubtful,
         })

@@ -31,6 +31,7 @@ pub const LIMIT: u32 = 1 << 24;
 const PIECE: u32 = 12;
 
 /// Returns the symbol of a value, and the number of the value's lowest bits that follow it.
+#[inline(always)]
 fn split(value: u32) -> (usize, u32) {
     if value < DIRECT {
         return (value as usize, 0);
@@ -38,6 +39,47 @@ fn split(value: u32) -> (usize, u32) {
     let bits = value.ilog2();
     // 16 is the first value with 4 bits behind its highest, so symbols go on at 16.
     ((bits + DIRECT - 4) as usize, bits)
+}
+
+/// Numbers of the symbols of values in each context.
+pub struct Histogram {
+    counts: Vec<[u32; SYMBOLS]>,
+}
+
+impl Histogram {
+    /// Makes a histogram without values in `contexts` contexts.
+    pub fn new(contexts: usize) -> Self {
+        Histogram { counts: vec![[0; SYMBOLS]; contexts] }
+    }
+
+    /// Counts a value below [`LIMIT`] in an existing context.
+    #[inline(always)]
+    pub fn add(&mut self, context: usize, value: u32) {
+        self.counts[context][split(value).0] += 1;
+    }
+
+    /// Returns the frequencies of each context.
+    fn frequencies(&self) -> Vec<[u32; SYMBOLS]> {
+        self.counts.iter().map(scaled).collect()
+    }
+
+    /// Returns the bytes of the frequencies, which a stream of these values begins with.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut out = Vec::new();
+        for of_context in &self.frequencies() {
+            let last = of_context.iter().rposition(|frequency| *frequency > 0).unwrap_or(0);
+            // No length is stored: the reader stops where the sum is whole. At most 512, a
+            // frequency takes one or two bytes of 7 bits.
+            for &frequency in &of_context[..=last] {
+                if frequency < 128 {
+                    out.push(frequency as u8);
+                } else {
+                    out.extend([frequency as u8 | 128, (frequency >> 7) as u8]);
+                }
+            }
+        }
+        out
+    }
 }
 
 /// Encoder that gathers values and writes them as bytes.
@@ -60,24 +102,9 @@ impl Encoder {
 
     /// Returns the bytes: frequencies of each context, the states, then the words that refill them.
     pub fn finish(self) -> Vec<u8> {
-        let mut counts = vec![[0_u32; SYMBOLS]; self.contexts];
-        for &(context, _, value) in &self.values {
-            counts[usize::from(context)][split(value).0] += 1;
-        }
-        let frequencies: Vec<[u32; SYMBOLS]> = counts.iter().map(scaled).collect();
-        let mut out = Vec::new();
-        for of_context in &frequencies {
-            let last = of_context.iter().rposition(|frequency| *frequency > 0).unwrap_or(0);
-            // No length is stored: the reader stops where the sum is whole. At most 512, a
-            // frequency takes one or two bytes of 7 bits.
-            for &frequency in &of_context[..=last] {
-                if frequency < 128 {
-                    out.push(frequency as u8);
-                } else {
-                    out.extend([frequency as u8 | 128, (frequency >> 7) as u8]);
-                }
-            }
-        }
+        let mut histogram = Histogram::new(self.contexts);
+        self.values.iter().for_each(|&(context, _, value)| histogram.add(usize::from(context), value));
+        let (frequencies, mut out) = (histogram.frequencies(), histogram.to_bytes());
         let (mut states, mut words) = ([LOWEST; STATES], Vec::new());
         // The decoder reads in reverse order: the value that is encoded last comes out first.
         for &(context, state, value) in self.values.iter().rev() {
@@ -165,8 +192,10 @@ pub fn open(contexts: usize, bytes: &[u8]) -> Option<(SymbolTables, Reader<'_>)>
     }
     let (first, words) = rest.as_slice().split_first_chunk::<{ 4 * STATES }>()?;
     let (first, (words, odd)) = (first.as_chunks().0, words.as_chunks());
-    let states = std::array::from_fn(|i| u32::from_le_bytes(first[i]));
-    odd.is_empty().then_some((SymbolTables { slots }, Reader { states, words, taken: 0 }))
+    let states: [u32; STATES] = std::array::from_fn(|i| u32::from_le_bytes(first[i]));
+    // No state is below this between two values.
+    let whole = odd.is_empty() && states.iter().all(|state| *state >= LOWEST);
+    whole.then_some((SymbolTables { slots }, Reader { states, words, taken: 0 }))
 }
 
 impl Reader<'_> {

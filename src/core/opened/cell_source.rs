@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use crate::archive::format::{CellKind, TileNumber};
 use crate::archive::{Block, format, tables};
 use crate::error::{Error, Result};
-use crate::layers::canopy::Canopy;
+use crate::layers::canopy::{Canopy, RayLists};
 use crate::layers::cells::Cells;
 use crate::layers::extras;
 use crate::layers::mirror::CellMirrors;
@@ -42,7 +42,7 @@ impl OpenSite<'_> {
             cells.mirrors = self.cell_mirrors(&self.block(mirror, chunk)?, rows, texels)?;
         }
         if self.has(canopy, chunk) {
-            cells.canopies = self.cell_canopies(&self.block(canopy, chunk)?, rows, [texels, rays])?;
+            cells.canopies = self.cell_canopies(&self.block(canopy, chunk)?, rows, RayLists::of_cell(texels, rays))?;
         }
         Ok(cells)
     }
@@ -66,7 +66,7 @@ impl OpenSite<'_> {
     }
 
     /// Returns the canopies that the rays of `rows` cells cross.
-    fn cell_canopies(&self, block: &Block, rows: usize, rays: [usize; 2]) -> Result<Vec<Canopy>> {
+    fn cell_canopies(&self, block: &Block, rows: usize, rays: RayLists) -> Result<Vec<Canopy>> {
         let row = |row: &Vec<u8>| Canopy::from_bytes(row, rays, |material| self.is_canopy(material));
         let found = extras::unpack(block.bytes(), rows).and_then(|rows| rows.iter().map(row).collect());
         let expected = "crossings of canopies that match the textures and rays of the settings";

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::archive::manifest::Settings;
 use crate::error::{Error, Result};
-use crate::layers::canopy::sky_side;
+use crate::layers::canopy::{RayLists, sky_side};
 use crate::layers::cells::CHUNK_SEEN;
 use crate::layers::sides::TextureSides;
 use crate::site::cells::level_of;
@@ -91,11 +91,10 @@ impl SiteSettings {
         TextureSides { sky_base: self.sky_base, sky_fine: self.sky_fine, response: self.probe }
     }
 
-    /// Returns the numbers of rays of a receiver that may cross canopies: to the texels of its sky,
-    /// and to its hits.
-    pub fn receiver_rays(&self) -> [usize; 2] {
-        let side = sky_side(self.sky_base, self.sky_fine);
-        [side * side, self.hit * self.hit]
+    /// Returns the rays of a receiver that may cross canopies: to the texels of its sky, and to its
+    /// hits.
+    pub fn receiver_rays(&self) -> RayLists {
+        RayLists::of_receiver(sky_side(self.sky_base, self.sky_fine), self.hit * self.hit)
     }
 }
 
@@ -123,7 +122,7 @@ mod tests {
         let of = |settings: &Settings| SiteSettings::new(settings, Path::new("a.helio"));
         let taken = of(&good).expect("settings");
         assert_eq!((taken.sky_fine, taken.closed_level, taken.diffuse), (1024, level_of(8.0), true));
-        assert_eq!(taken.receiver_rays(), [256 * 256, 1024]);
+        assert_eq!(taken.receiver_rays(), RayLists::of_receiver(256, 1024));
         let lies = [
             ("sky_base 0", Settings { sky_base: 0, ..good.clone() }),
             ("sky_base 1025", Settings { sky_base: 1025, ..good.clone() }),

@@ -278,9 +278,13 @@ fn layers_of_some_scenes() {
     seed("cell_mirror", &[&[8][..], &of_cell.to_bytes(8)].concat());
     let crossing = |ray: u32| Crossing { ray, material: (ray % 2) as u16, count: 1 + (ray * 7) as u16 };
     let [sky, seen] = [0..64, 3..9].map(|rays| rays.map(crossing).collect::<Vec<_>>());
-    let leaves = vec![SeenLeaf { cell, before: vec![(1, 2)], share: 0.25 }];
+    let leaves = vec![SeenLeaf { cell: CellKey { facing: 133, ..cell }, before: vec![(1, 2)], share: 0.25 }];
     let canopy = Canopy::new([&sky, &seen], [64, 16], leaves);
-    seed("canopy", &[&[4, 1][..], &canopy.to_bytes()].concat());
+    seed("canopy", &[&[8, 1][..], &canopy.to_bytes()].concat());
+    let length = |ray: u32| Crossing { ray, material: 1, count: 400 + (ray % 32 * ray / 32 % 90) as u16 };
+    let lengths: Vec<Crossing> = (0..1024).filter(|ray| ray % 32 > 6).map(length).collect();
+    let predicted = Canopy::new([&lengths, &seen], [1024, 16], Vec::new()).with_predicted(|material| material == 1);
+    save("canopy", "predicted", &[&[32, 1][..], &predicted.to_bytes()].concat());
     let rows = [of_receiver.to_bytes(), Vec::new(), canopy.to_bytes()];
     seed("extras", &[&[3][..], &extras::pack(rows.iter().map(Vec::as_slice)).expect("rows")].concat());
 }

@@ -15,7 +15,7 @@ use heliotile_core::archive::tables::{
     ReceiversTable,
 };
 use heliotile_core::archive::{Access, Archive, Block, Manifest, encode, manifest, verify};
-use heliotile_core::layers::canopy::{Canopy, Powers, SEEN, SKY};
+use heliotile_core::layers::canopy::{Canopy, Powers, RayLists, SEEN, SKY};
 use heliotile_core::layers::extras;
 use heliotile_core::layers::hit::HitTile;
 use heliotile_core::layers::mirror::{CellMirrors, ReceiverMirrors};
@@ -370,15 +370,18 @@ fn cell_mirror(data: &[u8]) {
     assert!(found.paths.iter().all(|path| !path.steps.is_empty()));
 }
 
-/// What rays cross, behind two bytes for their numbers in both lists, times 16: shares are from 0 to 1 along each of them.
+/// What a receiver's rays cross, behind two bytes: the side of its square, and a sixteenth of the number of its rays to surfaces. Shares are from 0 to
+/// 1 along each of them, and rows without leaves are written as they were.
 fn canopy(data: &[u8]) {
-    let Some((&rays, row)) = data.split_first_chunk::<2>() else { return };
-    let rays = rays.map(|rays| 16 * usize::from(rays));
+    let Some((&sizes, row)) = data.split_first_chunk::<2>() else { return };
+    let [side, sixteenths] = sizes.map(usize::from);
+    let (rays, numbers) = (RayLists::of_receiver(side, 16 * sixteenths), [side * side, 16 * sixteenths]);
     let is_canopy = |material: u16| material < 4;
     let Some(found) = Canopy::from_bytes(row, rays, is_canopy) else { return };
     assert_eq!(Canopy::from_bytes(&found.to_bytes(), rays, is_canopy).as_ref(), Some(&found));
+    assert!(!found.seen_leaves().is_empty() || found.to_bytes() == row);
     let powers: Powers = (0..4).map(|material| (material, std::array::from_fn(|k| 0.5_f32.powi(k as i32)))).collect();
-    for (list, rays) in [SKY, SEEN].into_iter().zip(rays) {
+    for (list, rays) in [SKY, SEEN].into_iter().zip(numbers) {
         let shares = found.through(list, &powers);
         assert!(shares.is_none_or(|s| s.len() == rays && s.iter().all(|share| (0.0..=1.0).contains(share))));
     }
