@@ -84,7 +84,7 @@ class SceneOptions(TypedDict, total=False):
     """Raster of ground heights above sea level (DEM, DTM): parts of `dsm` that are at least 2 m higher are buildings, and it continues beyond `dsm` as terrain; with `canopy` and without `dsm`, ground with trees alone."""
 
     canopy: Place | None
-    """Raster of the heights of tree crowns above the ground (CDSM): crowns become canopies of the group `trees` that let 3 % of the light through."""
+    """Raster of the heights of tree crowns above the ground (CDSM), on a grid as fine as it likes: crowns become volumes of leaves of the group `trees`."""
 
     landcover: Place | None
     """Raster of land cover in UMEP's codes: 1 paved, 2 buildings, 5 grass, 6 bare soil, 7 water."""
@@ -1614,7 +1614,7 @@ class PvOptions(TypedDict, total=False):
     """Positions of modules, CSV with columns point,x,y, z or height (metres above the roof or ground below), and tilt_deg,azimuth_deg (from true north; may be left out with `search`)."""
 
     rows: Place | None
-    """Rows of modules, TOML: each table `rows` has a name, an area or surface, tilt, azimuth, pitch, width, height. Modules shade each other, reflect light to each other, and have a front and a rear. `ground = 0.5` adds receivers on the ground among the rows, 0.5 m apart, with the light that plants use."""
+    """Rows of modules, TOML: each table `rows` has a name, an area, a surface or a number of rows and modules, tilt, azimuth, pitch, width, height. Modules shade each other, reflect light to each other, and have a front and a rear. `ground = 0.5` adds receivers on the ground among the rows, 0.5 m apart, with the light that plants use."""
 
     bifaciality: float | None
     """Bifaciality, the share of the light on the rear that is added to that on the front, for poa_global and the gain. Default: `0.8`."""
