@@ -26,8 +26,9 @@ fn read(folder: &Folder, name: &str) -> String {
 fn property(folder: &Folder, name: &str) -> String {
     let all: serde_json::Value = serde_json::from_str(&read(folder, "sun.csv-metadata.json")).expect("JSON");
     let all = all["schema:additionalProperty"].as_array().expect("properties").iter();
-    let found = all.filter(|one| one["schema:name"] == name).map(|one| one["schema:value"].as_str().expect("a text"));
-    found.last().expect(name).to_owned()
+    let mut found =
+        all.filter(|one| one["schema:name"] == name).map(|one| one["schema:value"].as_str().expect("a text"));
+    found.next_back().expect(name).to_owned()
 }
 
 /// A page about 4 places counts 1 that meets the rule, 2 that break it and 1 without a verdict. It
