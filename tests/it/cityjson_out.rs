@@ -174,7 +174,7 @@ fn again(folder: &Folder, command: &str, output: &str) {
     let third = folder.run(&command.replace(&name, "packed.city.json.gz").replace("-o out", "-o third"));
     assert_eq!(third.status.code(), Some(0), "{}", stderr(&third));
     let text = fs::read_to_string(folder.path("third.city.json")).expect("the output");
-    assert_eq!(text, output.replace(&name, "packed.city.json.gz"));
+    assert!(plain(&text) == plain(&output.replace(&name, "packed.city.json.gz")), "the model of a packed one differs");
 }
 
 /// A sequence of 3 buildings is written line by line, equal but for the additions, with materials

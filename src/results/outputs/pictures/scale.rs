@@ -18,8 +18,8 @@ pub fn round_steps(length: f64, most: usize) -> Vec<f64> {
     (0..=count).map(|i| tidy(step * i as f64)).collect()
 }
 
-/// Returns round steps from a round number at or below `low` to one at or above `high`, about `most`
-/// of them; equal numbers lie in the middle of steps.
+/// Returns about `most` round steps from a number at or below `low` to one at or above `high`.
+/// Equal numbers lie in the middle of steps.
 pub fn round_range(low: f64, high: f64, most: usize) -> Vec<f64> {
     let is_range = high - low > SMALLEST && low.abs().max(high.abs()) <= LARGEST;
     let (low, high) =
