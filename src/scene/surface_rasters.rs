@@ -60,9 +60,9 @@ impl SurfaceRasters {
     /// Default open share below crowns: the lowest quarter, SOLWEIG's trunk zone (Lindberg and
     /// Grimmond 2011).
     pub const TRUNK_SHARE: f64 = 0.25;
-    /// Largest mean leaf area index of a forest where nothing is stated, m2/m2: about that of
-    /// closed temperate forests, 5.1 of broadleaved and 5.5 of needleleaved trees (Asner, Scurlock
-    /// and Hicke 2003). Street trees are denser.
+    /// Largest mean leaf area index of a forest where nothing is stated, m2/m2: between the mean of
+    /// all vegetation, 4.5, and those of temperate evergreen forests, 5.1 to 6.7 (Asner, Scurlock
+    /// and Hicke 2003, abstract). Crowns of street trees are denser.
     pub const LEAF_AREA_INDEX: f64 = 5.0;
 
     /// Returns a request for a raster of surface heights, with nothing else stated.

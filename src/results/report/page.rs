@@ -18,7 +18,7 @@ use crate::outputs::tables::csvw::DescribedColumn;
 /// Style of the page, on the screen and on paper.
 const STYLE: &str = include_str!("report.css");
 
-/// Columns of positions and directions, which nobody reads on paper.
+/// Columns of positions and directions, which a statement leaves out.
 const POSITIONS: [&str; 6] = ["x", "y", "z", "nx", "ny", "nz"];
 
 /// Most columns that fit on upright paper, and most of these that name rows.

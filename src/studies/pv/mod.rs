@@ -192,14 +192,14 @@ fn run(request: &PvRequest, about: Provenance, resources: &Resources) -> Result<
         named_by: FolderOption::Output,
     };
     let archive = build.ensure(&folder, observer)?;
-    let parts: &[&str] = if laid.is_some() { &["receivers.csv", GEOMETRY, MATERIALS] } else { &["receivers.csv"] };
-    for name in parts {
+    if let Some(plain) = &plain {
+        let to = beside.path().join(PLAIN);
+        fs::copy(plain.path(), &to).map_err(Error::io(&to, "write"))?;
+    }
+    let modules: &[&str] = if laid.is_some() { &[GEOMETRY, MATERIALS] } else { &[] };
+    for name in ["receivers.csv"].iter().chain(modules).chain(plain.as_ref().map(|_| &PLAIN)) {
         let to = files.folder.join(name);
         fs::rename(beside.path().join(name), &to).map_err(Error::io(&to, "rename to"))?;
-    }
-    if let Some(plain) = &plain {
-        let to = files.folder.join(PLAIN);
-        fs::copy(plain.path(), &to).map_err(Error::io(&to, "write"))?;
     }
     observer.stop_if_cancelled("after site.helio was complete")?;
     files.claim(&archive, &weather, request, &spots)?;

@@ -104,8 +104,9 @@ impl Counts {
     /// Multiplies the share along each ray by the share that its count lets through.
     pub fn dim(&self, shares: &mut [f32], powers: &[f32; COUNTS]) {
         for (number, span) in self.spans() {
-            let shares = shares.get_mut(number * SPAN..).unwrap_or_default();
-            shares.iter_mut().zip(span).for_each(|(share, count)| *share *= powers[usize::from(*count)]);
+            for (share, count) in shares[number * SPAN..].iter_mut().zip(span) {
+                *share *= powers[usize::from(*count)];
+            }
         }
     }
 

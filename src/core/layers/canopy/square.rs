@@ -5,8 +5,7 @@
 //! the neighbours to the left and in the row before. In between they are the two or four even
 //! texels around; builders cast no ray there and store the prediction where these differ little.
 //! What is left is coded by rANS in contexts: by how much the neighbours differ, and by how many
-//! are 0. On an avenue of trees this takes 4.3 kB a receiver, where bit planes under zstd take
-//! 13.4 kB.
+//! are 0.
 
 use super::{COUNTS, WIDE};
 use crate::layers::rans::{self, Encoder, Histogram, Reader, STATES, SymbolTables};
