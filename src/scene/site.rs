@@ -209,6 +209,7 @@ struct Entry {
     step_m: Option<f64>,
     least_building_m2: Option<f64>,
     trunk_share: Option<f64>,
+    trunk_zone: Option<PathBuf>,
     leaf_area_density: Option<f64>,
 }
 
@@ -235,7 +236,7 @@ const KEYS: &str = "write a table [[scene]] for each file: file = \"town.city.js
                     lod = \"2.2\", assume_version = \"25.2\" of EnergyPlus, for terrain horizon_deg = 0.2, for footprints \
                     height = \"height\" (a column, metres, or a list of such), storey_height = 3.0, base = \"ground\", height_above = \"sea\" and layer = \"buildings\"; in place of \
                     file for rasters of a city dsm = \"dsm.tif\" and optionally dem, canopy (both without dsm for trees alone), landcover, step_m, least_building_m2, \
-                    trunk_share, leaf_area_density; what holds for all files stands in a table [site]: epsg, latitude_deg, \
+                    trunk_share, trunk_zone, leaf_area_density; what holds for all files stands in a table [site]: epsg, latitude_deg, \
                     longitude_deg, rotate_deg, elevation_m, scale, up";
 
 impl SceneFiles {
@@ -395,6 +396,7 @@ fn surface(entry: &Entry, folder: &Path) -> std::result::Result<Option<SurfaceRa
         step_m: entry.step_m,
         least_building_m2: entry.least_building_m2,
         trunk_share: entry.trunk_share,
+        trunk_zone: entry.trunk_zone.clone(),
         leaf_area_density: entry.leaf_area_density,
         ..files.unwrap_or_default()
     };
@@ -524,6 +526,7 @@ mod tests {
             ("[[scene]]\ndsm = \"a.tif\"\nfile = \"a.obj\"\n", "either `file` or `dsm`"),
             ("[[scene]]\nfile = \"a.obj\"\ncanopy = \"c.tif\"\n", "need a `dsm`"),
             ("[[scene]]\ndsm = \"a.tif\"\ntrunk_share = 2\n", "`trunk_share` is 2"),
+            ("[[scene]]\ndsm = \"a.tif\"\ntrunk_zone = \"b.tif\"\n", "lower part of a `canopy`"),
             ("[site]\ncrs = 28992\n[[scene]]\nfile = \"a.obj\"\n", "line 2"),
         ] {
             let message = site(toml).1.expect_err(toml).to_string();

@@ -46,6 +46,11 @@ pub struct SurfaceRasters {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[field(skip)]
     pub trunk_share: Option<f64>,
+    /// Raster of the heights of the undersides of crowns above the ground (TDSM), in place of
+    /// `trunk_share` where it has a value.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[field(skip)]
+    pub trunk_zone: Option<PathBuf>,
     /// Leaf area density of crowns, m2/m3; `None`: [`LEAF_AREA_DENSITY`], or less in a forest
     /// whose leaf area index would be above [`SurfaceRasters::LEAF_AREA_INDEX`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -60,6 +65,8 @@ impl SurfaceRasters {
     /// Default open share below crowns: the lowest quarter, SOLWEIG's trunk zone (Lindberg and
     /// Grimmond 2011).
     pub const TRUNK_SHARE: f64 = 0.25;
+    /// Largest open share below a crown.
+    pub const HIGHEST_TRUNK_SHARE: f64 = 0.95;
     /// Largest mean leaf area index of a forest where nothing is stated, m2/m2: between the mean of
     /// all vegetation, 4.5, and those of temperate evergreen forests, 5.1 to 6.7 (Asner, Scurlock
     /// and Hicke 2003, abstract). Crowns of street trees are denser.
@@ -99,15 +106,25 @@ impl SurfaceRasters {
 
     /// Returns the paths that are given, `dsm` first.
     pub fn all(&self) -> impl Iterator<Item = &Path> {
-        let given = [Some(&self.dsm), self.dem.as_ref(), self.canopy.as_ref(), self.landcover.as_ref()];
-        given.into_iter().flatten().map(PathBuf::as_path).filter(|path| !path.as_os_str().is_empty())
+        let given = [Some(&self.dsm), self.dem.as_ref()];
+        given
+            .into_iter()
+            .chain(self.of_cells())
+            .flatten()
+            .map(PathBuf::as_path)
+            .filter(|path| !path.as_os_str().is_empty())
     }
 
     /// Returns the paths of all rasters, `dsm` first.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
-        let beside = [&self.dem, &self.canopy, &self.landcover].into_iter().flatten();
+        let beside = [self.dem.as_ref()].into_iter().chain(self.of_cells()).flatten();
         let beside = beside.filter(|path| **path != self.dsm);
         std::iter::once(&self.dsm).chain(beside).map(PathBuf::as_path)
+    }
+
+    /// Returns the paths of rasters of crowns, trunks and land cover.
+    fn of_cells(&self) -> [Option<&PathBuf>; 3] {
+        [self.canopy.as_ref(), self.trunk_zone.as_ref(), self.landcover.as_ref()]
     }
 
     /// Returns this request with each path replaced by what `path` gives for it.
@@ -117,6 +134,7 @@ impl SurfaceRasters {
             dsm: path(&self.dsm)?,
             dem: other(&self.dem)?,
             canopy: other(&self.canopy)?,
+            trunk_zone: other(&self.trunk_zone)?,
             landcover: other(&self.landcover)?,
             ..self.clone()
         })
@@ -133,9 +151,12 @@ impl SurfaceRasters {
         if self.dsm.as_os_str().is_empty() {
             return Err(("dsm", "is missing beside other rasters".to_owned()));
         }
+        if self.trunk_zone.is_some() && self.canopy.is_none() {
+            return Err(("trunk_zone", "`trunk_zone` is the lower part of a `canopy`, which is missing".to_owned()));
+        }
         within("step_m", self.step_m, 0.1, 100.0)?;
         within("least_building_m2", self.least_building_m2, 0.0, 1e6)?;
-        within("trunk_share", self.trunk_share, 0.0, 0.95)?;
+        within("trunk_share", self.trunk_share, 0.0, SurfaceRasters::HIGHEST_TRUNK_SHARE)?;
         within("leaf_area_density", self.leaf_area_density, 0.0, MAX_LEAF_AREA_DENSITY)
     }
 
@@ -208,6 +229,7 @@ mod tests {
             (SurfaceRasters { step_m: Some(0.0), ..of() }, "step_m"),
             (SurfaceRasters { least_building_m2: Some(f64::NAN), ..of() }, "least_building_m2"),
             (SurfaceRasters { trunk_share: Some(1.0), ..of() }, "trunk_share"),
+            (SurfaceRasters { trunk_zone: Some("t.tif".into()), ..of() }, "trunk_zone"),
             (SurfaceRasters { leaf_area_density: Some(-0.1), ..of() }, "leaf_area_density"),
         ] {
             assert_eq!(wrong.check().expect_err(name).0, name);

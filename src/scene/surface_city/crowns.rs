@@ -1,4 +1,4 @@
-//! Crowns of trees. In: heights of crowns above the ground. Out: closed hulls of leaves whose
+//! Crowns of trees. In: heights of crowns and of their undersides above the ground. Out: closed hulls of leaves whose
 //! underside lies above open trunk space.
 
 use std::collections::HashMap;
@@ -15,6 +15,7 @@ use crate::trees::TREES;
 use heliotile_core::error::Result;
 use heliotile_core::site::material::{BROADLEAF_DIFFUSE, Material};
 use heliotile_core::site::scene_object::ObjectNote;
+use heliotile_core::text::counted;
 
 /// Name of the material of crowns.
 const NAME: &str = "canopy";
@@ -30,6 +31,8 @@ struct Crowns {
     list: Vec<Vec<Spot>>,
     /// Mean height above the ground of the crowns around a corner, `[corner]`.
     heights: Lattice<f32>,
+    /// Mean height above the ground of their undersides, `[corner]`.
+    bases: Lattice<f32>,
 }
 
 /// Writes crowns and returns the number of pieces. `pieces` holds the number of each cell's piece,
@@ -50,7 +53,22 @@ pub(super) fn write(
     if list.is_empty() {
         return Ok(0);
     }
-    let crowns = Crowns { heights: heights(crown, &piece), piece, list };
+    let (trunk, highest) = (options.trunk() as f32, SurfaceRasters::HIGHEST_TRUNK_SHARE as f32);
+    let stated = |cell: Spot| layers.base.as_ref().map_or(f32::NAN, |base| base.at(cell));
+    let base = |cell: Spot| match stated(cell) {
+        none if none.is_nan() => trunk * crown.at(cell),
+        base => base.clamp(0.0, highest * crown.at(cell)),
+    };
+    let (heights, bases) = (by_corner(&piece, |cell| crown.at(cell)), by_corner(&piece, base));
+    let crowns = Crowns { heights, bases, piece, list };
+    let too_high = crowns.list.iter().flatten().filter(|cell| stated(**cell) >= crown.at(**cell)).count() as u64;
+    if too_high > 0 {
+        let cells = counted(too_high, "cell");
+        let text = format!(
+            "the underside is not below the top of the crown in {cells}; a twentieth of the height is crown there (trunk_zone)"
+        );
+        writer.geometry.warnings.push(text.into());
+    }
     let material = writer.material(NAME);
     let canopy = Material::of_leaves(NAME, options.density(mean_m), BROADLEAF_DIFFUSE);
     let canopy = Material { group: Some(TREES.to_owned()), ..canopy };
@@ -69,12 +87,11 @@ pub(super) fn write(
         let name = format!("trees_{}", super::name_of(layers, cells));
         objects.push(writer.object(&name, &note(&name)));
     }
-    let trunk = options.trunk();
     let place = |corner: Spot| moved.get(&corner).copied().unwrap_or_else(|| layers.corner(corner));
     let foot = |corner: Spot| f64::from(ground.at(corner));
-    let at = |corner: Spot, share: f64| Corner {
+    let at = |corner: Spot, above: &Lattice<f32>| Corner {
         place: place(corner),
-        height: foot(corner) + share * f64::from(crowns.heights.at(corner)),
+        height: foot(corner) + f64::from(above.at(corner)),
     };
     let of = |cell: Spot| FaceOf {
         material,
@@ -86,7 +103,7 @@ pub(super) fn write(
     let mut number = |writer: &mut Writer, corner: Spot, is_top: bool| match numbers.get(&(corner, is_top)) {
         Some(known) => Ok(*known),
         None => {
-            let Corner { place, height } = at(corner, if is_top { 1.0 } else { trunk });
+            let Corner { place, height } = at(corner, if is_top { &crowns.heights } else { &crowns.bases });
             let new = writer.vertex(place, height)?;
             numbers.insert((corner, is_top), new);
             Ok(new)
@@ -141,15 +158,15 @@ pub(super) fn mean_height(raster: &Raster) -> f64 {
     sum / f64::max(count, 1.0)
 }
 
-/// Returns the mean height of crowns at each corner.
-fn heights(crown: &Lattice<f32>, piece: &Lattice<u32>) -> Lattice<f32> {
-    let mut heights = Lattice::filled(crown.columns + 1, crown.rows + 1, f32::NAN);
-    for corner in heights.spots() {
+/// Returns the mean of a value of the cells with crowns around each corner.
+fn by_corner(piece: &Lattice<u32>, value: impl Fn(Spot) -> f32) -> Lattice<f32> {
+    let mut means = Lattice::filled(piece.columns + 1, piece.rows + 1, f32::NAN);
+    for corner in means.spots() {
         let known = around(corner).into_iter().filter(|cell| piece.at(*cell) != u32::MAX);
-        let (sum, count) = known.fold((0.0, 0.0), |(sum, count), cell| (sum + crown.at(cell), count + 1.0));
-        heights.set(corner, sum / count);
+        let (sum, count) = known.fold((0.0, 0.0), |(sum, count), cell| (sum + value(cell), count + 1.0));
+        means.set(corner, sum / count);
     }
-    heights
+    means
 }
 
 impl Crowns {

@@ -5,7 +5,7 @@ use glam::DVec2;
 
 use crate::surface_city::floor::Moved;
 use crate::surface_city::lattice::{Lattice, Spot};
-use crate::surface_city::layers::{Layer, Layers, check_size, crowns_of};
+use crate::surface_city::layers::{Layer, Layers, check_size, crowns_of, nearest};
 use crate::surface_city::outlines::OUTSIDE;
 use crate::terrain::raster::Grid;
 use heliotile_core::error::Result;
@@ -35,6 +35,7 @@ impl Site {
     /// below it; `None` if it is less than 2 x 2 cells.
     pub(super) fn new(
         crowns: &Layer,
+        trunk_zone: Option<&Layer>,
         layers: &Layers,
         pieces: &Lattice<u32>,
         ground: &Lattice<f32>,
@@ -51,12 +52,20 @@ impl Site {
         let grid = raster.grid;
         check_size(crowns.file, &grid)?;
         let cells = Lattice::filled(grid.columns, grid.rows, f32::NAN);
+        let base = trunk_zone.map(|zone| {
+            let mut base = cells.like(f32::NAN);
+            for [column, row] in cells.spots() {
+                base.set([column, row], nearest(&zone.raster, raster.plan(column, row)));
+            }
+            base
+        });
         let fine = Layers {
             grid,
             surface: cells.like(f32::NAN),
             quantum_m: 0.0,
             ground: None,
             crown: Some(crowns_of(&cells, |[column, row]| raster.height(column, row))),
+            base,
             class: None,
         };
         // Place in cells of the city, whose first corner is 0.

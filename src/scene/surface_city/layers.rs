@@ -27,6 +27,7 @@ pub(crate) struct Layer<'a> {
 pub(crate) struct Companions<'a> {
     pub dem: Option<Layer<'a>>,
     pub canopy: Option<Layer<'a>>,
+    pub trunk_zone: Option<Layer<'a>>,
     pub landcover: Option<Layer<'a>>,
 }
 
@@ -41,6 +42,8 @@ pub(super) struct Layers {
     pub ground: Option<Lattice<f32>>,
     /// Heights of crowns above the ground; 0 for no crown.
     pub crown: Option<Lattice<f32>>,
+    /// Heights of the undersides of crowns above the ground; NaN where none is stated.
+    pub base: Option<Lattice<f32>>,
     /// Codes of land cover.
     pub class: Option<Lattice<u16>>,
 }
@@ -63,6 +66,7 @@ impl Layers {
             }
             Some(values)
         };
+        let base = sampled(&with.trunk_zone, nearest);
         let crown = sampled(&with.canopy, nearest).map(|heights| crowns_of(&cells, |spot| heights.at(spot)));
         let class = sampled(&with.landcover, nearest).map(|codes| {
             let mut class = cells.like(NO_CLASS);
@@ -74,7 +78,8 @@ impl Layers {
             }
             class
         });
-        Ok(Layers { grid, surface, quantum_m: dsm.raster.quantum_m, ground: sampled(&with.dem, between), crown, class })
+        let ground = sampled(&with.dem, between);
+        Ok(Layers { grid, surface, quantum_m: dsm.raster.quantum_m, ground, crown, base, class })
     }
 
     /// Returns the middle of a cell relative to that of the first one, metres.
@@ -146,7 +151,7 @@ pub(super) fn check_place(dsm: &Layer, other: &Layer) -> Result<()> {
 }
 
 /// Returns the sample whose cell holds a place.
-fn nearest(raster: &Raster, place: DVec2) -> f32 {
+pub(super) fn nearest(raster: &Raster, place: DVec2) -> f32 {
     let at = ((place - raster.grid.first) / raster.grid.step).round();
     raster.height(at.x as i64, -at.y as i64)
 }

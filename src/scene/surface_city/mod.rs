@@ -120,7 +120,9 @@ pub(crate) fn city(dsm: &Layer, with: &Companions, options: &SurfaceRasters) -> 
     floor.write(&mut writer, &layers, &drawn.moved)?;
     let finer = with.canopy.as_ref().filter(|canopy| finer::is_finer(canopy, &layers.grid));
     let finer = match finer {
-        Some(canopy) => finer::Site::new(canopy, &layers, &pieces, &floor.heights, &drawn.moved)?,
+        Some(canopy) => {
+            finer::Site::new(canopy, with.trunk_zone.as_ref(), &layers, &pieces, &floor.heights, &drawn.moved)?
+        }
         None => None,
     };
     let mean_m = with.canopy.as_ref().map_or(0.0, |canopy| crowns::mean_height(&canopy.raster));

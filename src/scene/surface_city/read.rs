@@ -160,11 +160,12 @@ fn placed<'a>(
     let with = Companions {
         dem: with_file(&options.dem, layer(&options.dem, Values::Heights)?),
         canopy: with_file(&options.canopy, layer(&options.canopy, Values::Differences)?),
+        trunk_zone: with_file(&options.trunk_zone, layer(&options.trunk_zone, Values::Differences)?),
         landcover: with_file(&options.landcover, layer(&options.landcover, Values::Codes)?),
     };
     let mut dsm = Layer { file: &part.file, raster: place(dsm, &part.file, Values::Heights)? };
     warnings.append(&mut dsm.raster.warnings);
-    for other in [&with.dem, &with.canopy, &with.landcover].into_iter().flatten() {
+    for other in [&with.dem, &with.canopy, &with.trunk_zone, &with.landcover].into_iter().flatten() {
         check_place(&dsm, other)?;
     }
     Ok(Rasters { dsm, with, warnings })

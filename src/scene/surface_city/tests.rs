@@ -276,6 +276,7 @@ fn a_crown_over_a_lawn_is_a_hull() {
         dem: Some(layer(raster(60, 60, 0.5, |_| 5.0))),
         canopy: Some(layer(raster(60, 60, 0.5, crown))),
         landcover: Some(layer(raster(60, 60, 0.5, |_| 5.0))),
+        trunk_zone: None,
     };
     // The crown stands in the surface, too, as in many rasters.
     let dsm = raster(60, 60, 0.5, |place| 5.0 + crown(place));
@@ -287,6 +288,27 @@ fn a_crown_over_a_lawn_is_a_hull() {
     assert_eq!((canopy.group.as_deref(), geometry.stated["grass"].diffuse), (Some("trees"), 0.16));
     let trees: Vec<_> = geometry.object_notes.values().filter(|note| note.beside).collect();
     assert_eq!((trees.len(), trees[0].object.as_str()), (1, "trees_1012_1988"));
+}
+
+/// A crown of 6 x 6 x 8 m whose underside is stated in cells of 1 m. At 3 m its sides have 120 m2; at
+/// 0 m it stands on the ground; where nothing is stated the underside lies at 2 m. At 9 m, above
+/// the top, a warning counts the 144 cells and sides have 9.6 m2.
+#[test]
+fn undersides_of_crowns_are_read() {
+    let crown = |place: DVec2| if (place - DVec2::new(14.75, -14.75)).abs().max_element() < 3.0 { 8.0 } else { 0.0 };
+    for (base, sides) in [(3.0, 120.0), (0.0, 192.0), (f64::NAN, 144.0), (9.0, 9.6)] {
+        let with = Companions {
+            dem: Some(layer(raster(60, 60, 0.5, |_| 5.0))),
+            canopy: Some(layer(raster(60, 60, 0.5, crown))),
+            trunk_zone: Some(layer(raster(30, 30, 1.0, |_| base))),
+            ..Companions::default()
+        };
+        let dsm = raster(60, 60, 0.5, |_| 5.0);
+        let geometry = city(&layer(dsm), &with, &SurfaceRasters::default()).expect("a city").geometry;
+        assert!((areas(&geometry).canopy - 72.0 - sides).abs() < 1e-4, "{base}: {:?}", areas(&geometry));
+        let warned = geometry.warnings.iter().any(|text| format!("{text:?}").contains("in 144 cells"));
+        assert_eq!(warned, base > 8.0, "{:?}", geometry.warnings);
+    }
 }
 
 /// Crowns in cells of 0.25 m stand in a city in cells of 2 m: the hull of a crown of 2.5 x 2.5 x 8
@@ -303,7 +325,7 @@ fn crowns_keep_a_finer_grid_than_the_city() {
     let with = Companions {
         dem: Some(layer(raster(30, 30, 2.0, |_| 5.0))),
         canopy: Some(layer(raster(230, 230, 0.25, crown))),
-        landcover: None,
+        ..Companions::default()
     };
     let dsm = raster(30, 30, 2.0, |place| if place.x < 11.0 { 13.0 } else { 5.0 });
     let found = areas(&city(&layer(dsm), &with, &SurfaceRasters::default()).expect("a city").geometry);
