@@ -20,6 +20,7 @@ mod pvd;
 pub mod row;
 mod rows;
 pub mod stated;
+mod style;
 mod vtu;
 pub mod writer;
 

@@ -12,7 +12,7 @@ use super::pvd::Series;
 use super::row::MapPolygon;
 use super::rows::{MapFacts, MapRows, RowSpool};
 use super::stated::StatedColumns;
-use super::{flatgeobuf, geojson, geoparquet, glb, ply, pvd, vtu};
+use super::{flatgeobuf, geojson, geoparquet, glb, ply, pvd, style, vtu};
 use crate::outputs::groups::GroupGeometry;
 use crate::outputs::periods::Every;
 use crate::outputs::provenance::Provenance;
@@ -82,6 +82,11 @@ impl MapFormat {
     /// Returns true if the format holds names and numbers beside shapes.
     fn has_columns(self) -> bool {
         !matches!(self, MapFormat::Ply | MapFormat::Png)
+    }
+
+    /// Returns true if QGIS opens the format, and takes a style from beside it.
+    fn is_for_gis(self) -> bool {
+        matches!(self, MapFormat::FlatGeobuf | MapFormat::GeoJson | MapFormat::GeoParquet)
     }
 
     /// Returns true if the format has marks for places without an extent.
@@ -232,6 +237,9 @@ impl<'a> MapWriter<'a> {
             }
             (MapFormat::Vtu | MapFormat::Pvd, _) => vtu::write(sink()?, rows, columns, None, about)?,
         };
+        if request.format.is_for_gis() {
+            style::write(request.path, rows, columns)?;
+        }
         Ok(MapStats { facts: rows.facts, bytes })
     }
 }

@@ -3,7 +3,7 @@
 //! scale bar and its sources. Memory depends on the number of pixels, not on the size of the site.
 
 mod paint;
-mod palette;
+pub mod palette;
 mod raster;
 pub mod thumbnail;
 mod view;

@@ -64,6 +64,17 @@ pub struct Palette {
     rule: Option<RuleColumns>,
 }
 
+/// Class of values, with its colour.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Swatch {
+    /// Lowest value, or the only one.
+    pub from: f64,
+    /// Highest value, if the class is a range.
+    pub to: Option<f64>,
+    pub label: String,
+    pub colour: Rgb,
+}
+
 /// Rule that values meet or break.
 struct RuleColumns {
     /// Number column of the verdict.
@@ -143,6 +154,47 @@ impl Palette {
         Ink { colour, verdict }
     }
 
+    /// Returns the number column that classes are of: the verdict of a rule, or the values.
+    pub fn classed(&self) -> usize {
+        self.rule.as_ref().map_or(self.column, |rule| rule.verdict)
+    }
+
+    /// Returns the classes: halves of the steps between the numbers of the legend, with values
+    /// beyond it in the outermost ones, or the verdicts of a rule.
+    pub fn swatches(&self) -> Vec<Swatch> {
+        if let Some(rule) = &self.rule {
+            let one = |(verdict, label, number): &(Verdict, &str, f32)| Swatch {
+                from: f64::from(*number),
+                to: None,
+                label: (*label).to_owned(),
+                colour: rule.ink(*verdict, self.top()).colour,
+            };
+            return Verdict::ALL.iter().map(one).collect();
+        }
+        let middle = |two: &[f64; 2]| [two[0], 0.5 * (two[0] + two[1])];
+        let mut ends: Vec<f64> = self.ticks.array_windows().flat_map(middle).chain([self.top()]).collect();
+        let own = ends.clone();
+        if let (Some(beyond), [first, .., last]) = (self.beyond, ends.as_mut_slice()) {
+            *last = beyond;
+            if self.scale == ColourScale::AroundZero {
+                *first = -beyond;
+            }
+        }
+        let classes = ends.array_windows().zip(own.array_windows());
+        classes
+            .map(|([from, to], [low, high])| Swatch {
+                from: *from,
+                to: Some(*to),
+                label: match (from == low, to == high) {
+                    (false, _) => format!("less than {}", words(*to)),
+                    (_, false) => format!("more than {}", words(*from)),
+                    _ => format!("{} to {}", words(*from), words(*to)),
+                },
+                colour: self.of_value(0.5 * (low + high), None).colour,
+            })
+            .collect()
+    }
+
     /// Returns how much darker surroundings are, so that the pale middle of a scale around zero
     /// stands out.
     pub fn darker(&self) -> f64 {
@@ -194,8 +246,7 @@ impl Palette {
         for (verdict, name) in
             [(Verdict::Met, "met"), (Verdict::Close, "close: by less than it may be off"), (Verdict::Broken, "broken")]
         {
-            let far = if (verdict == Verdict::Met) == rule.is_most { 0.0 } else { top };
-            let ink = Ink { colour: rule.colour(0.5 * (far + rule.threshold), verdict, top), verdict: Some(verdict) };
+            let ink = rule.ink(verdict, top);
             let sample = |at: f64| (at * SAMPLES as f64) as usize;
             let swatch = Image::painted(SWATCH, |x, y| ink.at(sample(x), sample(y)));
             page.image((x.round(), y - 7.0), swatch);
@@ -221,6 +272,12 @@ impl Palette {
 impl RuleColumns {
     fn is_met(&self, value: f64) -> bool {
         if self.is_most { value <= self.threshold } else { value >= self.threshold }
+    }
+
+    /// Returns the ink of values halfway between the threshold and the farthest with this verdict.
+    fn ink(&self, verdict: Verdict, top: f64) -> Ink {
+        let far = if (verdict == Verdict::Met) == self.is_most { 0.0 } else { top };
+        Ink { colour: self.colour(0.5 * (far + self.threshold), verdict, top), verdict: Some(verdict) }
     }
 
     fn colour(&self, value: f64, verdict: Verdict, top: f64) -> Rgb {
@@ -263,6 +320,24 @@ mod tests {
         [9.0, 500.0].iter().for_each(|value| counts[class(*value)] += 1);
         assert!((10.0..10.5).contains(&(500.0 * percentile(&counts))), "{}", percentile(&counts));
         assert_eq!(percentile(&[0; 4]), 1.0);
+    }
+
+    /// A scale from 0 to 200 with a value of 230 has four classes, the last up to 230; that of
+    /// changes from -20 to 20 with one of -31 begins at -31; a rule has a class for each verdict.
+    #[test]
+    fn classes_hold_all_values() {
+        let palette = Palette { ticks: vec![0.0, 100.0, 200.0], beyond: Some(230.0), ..Palette::from_zero(200.0) };
+        let ends = |palette: &Palette| -> Vec<_> { palette.swatches().iter().map(|one| (one.from, one.to)).collect() };
+        let some = [0.0, 50.0, 100.0, 150.0, 230.0].array_windows().map(|[a, b]| (*a, Some(*b))).collect::<Vec<_>>();
+        assert_eq!(ends(&palette), some);
+        assert_eq!(palette.swatches()[3].label, "more than 150");
+        let (scale, ticks) = (ColourScale::AroundZero, vec![-20.0, 0.0, 20.0]);
+        let changes = Palette { scale, ticks, beyond: Some(31.0), ..Palette::from_zero(20.0) };
+        assert_eq!(ends(&changes).first().copied(), Some((-31.0, Some(-10.0))));
+        let rule = Some(RuleColumns { verdict: 1, threshold: 120.0, is_most: false });
+        let judged = Palette { rule, ..Palette::from_zero(500.0) };
+        assert_eq!(ends(&judged), [(0.0, None), (0.5, None), (1.0, None)]);
+        assert_eq!(judged.swatches()[2].label, "met");
     }
 
     /// With at least 120 minutes demanded, 119 and 0 are orange with stripes, 121 and 500 blue
