@@ -35,6 +35,19 @@ test("A page with its archive inside opens from a file, and loads nothing from e
   assert.deepEqual(page.complaints, []);
 });
 
+test("A page inside a cell of a notebook shows its archive, and moves without an address.", async () => {
+  const page = await open();
+  const cell = `${out}notebook.html`;
+  const quoted = readFileSync(new URL(inlined("cell", HAGUE, EPW)), "utf8").replaceAll("&", "&amp;").replaceAll('"', "&quot;");
+  writeFileSync(cell, `<iframe srcdoc="${quoted}" style="width: 100%; height: 640px"></iframe>`);
+  await page.goto(`file://${cell}`);
+  const frame = page.frames()[1];
+  await frame.waitForFunction(() => document.querySelector("#site-line")?.textContent.includes("1,228 receivers"));
+  await frame.selectOption("#show-component", "sun_direct");
+  await page.waitForTimeout(600);
+  assert.deepEqual(page.complaints, []);
+});
+
 test("A server with ranges is read by ranges, with weather by address.", async () => {
   const server = await serve(files, { ranges: true });
   const page = await open();

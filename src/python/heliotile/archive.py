@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import html
 import os
+import tempfile
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
@@ -140,6 +143,15 @@ class Archive(Askable):
         said = {**options, "with_": after.path if isinstance(after, Archive) else after}
         _heliotile.view(asked("Archive.view", ViewOptions, said, archive=self.path).args(), os.fspath(output), self.access)
 
+    def show(self, height: int = 640, **options: Unpack[ViewOptions]) -> Page:
+        """Returns the page of `view` for the output of a notebook's cell: `site.show(weather=
+        "x.epw")` as the last line shows the site there, to turn and to click. `height` is that of
+        the output in pixels. The page is part of the notebook, and works without a kernel, too."""
+        with tempfile.TemporaryDirectory() as folder:
+            page = Path(folder) / "page.html"
+            self.view(page, **options)
+            return Page(page.read_text(encoding="utf-8"), height)
+
     def _open(self, wanted: WantedArgs) -> _heliotile.ArchiveHandle:
         return self._handle
 
@@ -156,6 +168,20 @@ class Archive(Askable):
 
     def __repr__(self) -> str:
         return f"Archive({_heliotile.shown(self.path)!r}, {self.count} receivers in {self.tiles} tiles, root {self.root[:16]})"
+
+
+class Page:
+    """A page of a site, which notebooks show."""
+
+    def __init__(self, text: str, height: int) -> None:
+        self.text, self.height = text, height
+        """The page as HTML, and its height in pixels."""
+
+    def _repr_html_(self) -> str:
+        return f'<iframe srcdoc="{html.escape(self.text)}" style="width: 100%; height: {self.height}px; border: 0" allowfullscreen></iframe>'
+
+    def __repr__(self) -> str:
+        return f"Page of {len(self.text) / 1e6:.1f} MB, which a notebook shows"
 
 
 def absolute(path: str) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import html
 import re
 import struct
 from typing import Any
@@ -138,10 +139,12 @@ def test_exports_are_the_programs(site: heliotile.Archive, tmp_path: Path) -> No
 
 
 def test_pages_are_the_programs(site: heliotile.Archive, tmp_path: Path) -> None:
-    """A page with weather, and one of two archives, is the program's byte by byte; one in place of the archive is refused."""
+    """A page with weather, also in a notebook, and one of two archives, is the program's byte by byte; one in place of the archive is refused."""
     program("export", site.path, "--weather", DAYS, "--html", tmp_path / "program.html")
     site.view(tmp_path / "python.html", weather=DAYS)
     assert (tmp_path / "program.html").read_bytes() == (tmp_path / "python.html").read_bytes()
+    shown = re.fullmatch('<iframe srcdoc="([^"]*)" style="[^"]*height: 500px[^"]*" allowfullscreen></iframe>', site.show(500, weather=DAYS)._repr_html_())
+    assert shown and html.unescape(shown[1]).encode() == (tmp_path / "program.html").read_bytes()
     program("export", site.path, "--with", site.path, "--html", tmp_path / "two.html")
     for with_ in (site, Path(site.path)):
         site.view(tmp_path / "two_python.html", with_=with_)

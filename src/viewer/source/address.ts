@@ -111,9 +111,10 @@ export function formatAddress(state: State): string {
 
 /**
  * Keeps the address up to date, a few times a second at most, and follows it when the user changes
- * it.
+ * it. A page in a notebook's cell has no address.
  */
 export function keepAddress(store: Store): void {
+  if (location.protocol === "about:") return;
   let timer: ReturnType<typeof setTimeout> | undefined;
   let written = location.hash;
   store.subscribe(() => {
