@@ -166,22 +166,7 @@ pub struct Glare {
     #[field(flatten)]
     pub receivers: SelectionRequest,
     /// Days and rules.
-    #[field(
-        flatten,
-        without(
-            "every",
-            "lit_share",
-            "trees",
-            "weather",
-            "latitude",
-            "longitude",
-            "time_zone",
-            "shift",
-            "weather_stamp",
-            "date_order"
-        ),
-        defaults("dates", "year")
-    )]
+    #[field(flatten, without("every", "lit_share", "trees"), defaults("dates", "year"))]
     pub request: SunlightRequest,
     /// Period of a row, without --rule: a day, or all days of a month, a year or all of them
     /// [default: total].

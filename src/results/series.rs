@@ -292,10 +292,7 @@ impl ReplayRequest {
 /// Returns the name of a weather file and the first and last of its chosen days, in words.
 fn called(weather: &Path, dated: &DatedRows) -> String {
     let mut days = dated.dates.iter().zip(&dated.chosen).filter_map(|(date, chosen)| chosen.then_some(date));
-    let day = |date: &heliotile_core::weather::time::calendar::Date| match dated.years.matter() {
-        true => format!("{:04}-{:02}-{:02}", date.year, date.month, date.day),
-        false => format!("{:02}-{:02}", date.month, date.day),
-    };
+    let day = |date: &heliotile_core::weather::time::calendar::Date| date.day_label(dated.years.matter());
     let name = weather.file_name().unwrap_or(weather.as_os_str()).to_string_lossy().into_owned();
     let (first, last) = (days.next(), days.next_back());
     match (first.map(day), last.or(first).map(day)) {

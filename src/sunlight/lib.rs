@@ -13,7 +13,7 @@ mod seen;
 mod spells;
 
 pub use day_minutes::DayMinutes;
-pub use mirrored::{GlareAngles, MirrorSpells, MirrorSuns, Strongest, TileMirrors, in_any};
-pub use path::{SunDay, SunPasses};
+pub use mirrored::{GlareAngles, HotSpot, MirrorSpells, MirrorSuns, Strongest, TileMirrors, in_any};
+pub use path::{DniSpell, SunDay, SunPasses};
 pub use seen::{SeenSky, SunSeen};
 pub use spells::{Spell, Spells};

@@ -6,13 +6,13 @@ use glam::DVec3;
 
 use crate::path::{SunDay, SunPasses};
 use crate::seen::{SeenSky, SunSeen};
-use crate::spells::Spells;
+use crate::spells::{Spell, Spells};
 use heliotile_core::error::Result;
 use heliotile_core::light::mirrors::{MirrorTable, Reflection};
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::{MirrorView, mirror_views};
 use heliotile_core::site::chain::Chain;
-use heliotile_core::weather::clear::clear_sky;
+use heliotile_core::weather::time::calendar::Date;
 
 /// Views of the sky that a receiver has in mirrors.
 pub struct MirrorSuns<'m> {
@@ -120,6 +120,12 @@ impl MirrorSpells<'_> {
         self.reflection.share(sun)
     }
 
+    /// Returns the cosine of the angle at which the reflected sun falls on the receiver's surface;
+    /// 0 from behind.
+    fn cosine(&self, sun: DVec3) -> f64 {
+        self.normal.dot(self.image(sun)).max(0.0)
+    }
+
     /// Returns the angle between a sun and the direction in which it is seen, degrees.
     pub fn deflection_deg(&self, sun: DVec3) -> f64 {
         self.image(sun).angle_between(sun).to_degrees()
@@ -149,7 +155,7 @@ const LOOK_MIN: f64 = 5.0;
 /// Largest strength of a reflected sun, and its smallest angle from the sun itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Strongest {
-    /// Irradiance of a surface that faces the reflected sun, under a clear sky, W/m2.
+    /// Irradiance of a surface that faces the reflected sun, W/m2.
     pub irradiance_w_m2: f64,
     /// Angle between the sun and the direction in which it is seen, degrees.
     pub deflection_deg: f64,
@@ -164,8 +170,7 @@ impl Strongest {
         });
         let at = |minutes: f64| {
             let sun = day.sun(minutes);
-            let dni_w_m2 = if sun.z > 0.0 { clear_sky(sun.z).0 } else { 0.0 };
-            let irradiance_w_m2 = dni_w_m2 * mirror.share(sun);
+            let irradiance_w_m2 = day.dni_w_m2(minutes) * mirror.share(sun);
             Strongest { irradiance_w_m2, deflection_deg: mirror.deflection_deg(sun) }
         };
         moments.map(at).reduce(Strongest::and)
@@ -178,5 +183,53 @@ impl Strongest {
             irradiance_w_m2: self.irradiance_w_m2.max(other.irradiance_w_m2),
             deflection_deg: self.deflection_deg.min(other.deflection_deg),
         }
+    }
+}
+
+/// Longest step between two sums of all reflected suns, minutes.
+const SUM_STEP_MIN: f64 = 1.0;
+
+/// Largest irradiance of a receiver's surface by all reflected suns of a moment, and this moment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HotSpot {
+    /// Irradiance of the receiver's own surface, above 0, W/m2; without the sun itself and the sky.
+    pub irradiance_w_m2: f64,
+    /// Date of the moment.
+    pub date: Date,
+    /// Minutes of the moment after midnight.
+    pub at_min: f64,
+}
+
+impl HotSpot {
+    /// Returns the hot spot of a day from chains and the spells in which each counts, or `None` if
+    /// no sun is reflected. Between two changes of what is seen, or of the weather, the sum of
+    /// DNI x share x cosine runs smoothly; it is computed in the middle of steps of up to a minute.
+    pub fn new(shown: &[(&Spells, &MirrorSpells)], day: &SunDay) -> Option<Self> {
+        let spells = shown.iter().flat_map(|(spells, _)| spells.iter());
+        let mut changes: Vec<f64> =
+            spells.chain(day.intervals()).flat_map(|one| [one.start_min, one.end_min]).collect();
+        changes.sort_by(f64::total_cmp);
+        changes.dedup();
+        let of_part = |part: &[f64]| {
+            let part = Spell { start_min: part[0], end_min: part[1] };
+            let whole = Spells::one(part.start_min, part.end_min);
+            let seen: Vec<&MirrorSpells> =
+                shown.iter().filter(|(spells, _)| spells.hold(&whole)).map(|(_, mirror)| *mirror).collect();
+            let steps = if seen.is_empty() { 0 } else { (part.minutes() / SUM_STEP_MIN).ceil() as usize };
+            (0..steps).map(move |step| {
+                let at_min = part.start_min + part.minutes() * (step as f64 + 0.5) / steps as f64;
+                let sun = day.sun(at_min);
+                let sum: f64 = seen.iter().map(|mirror| mirror.share(sun) * mirror.cosine(sun)).sum();
+                HotSpot { irradiance_w_m2: day.dni_w_m2(at_min) * sum, date: day.date, at_min }
+            })
+        };
+        let all = changes.windows(2).flat_map(of_part);
+        all.filter(|one| one.irradiance_w_m2 > 0.0).reduce(HotSpot::higher)
+    }
+
+    /// Returns the hot spot with the larger irradiance; of equal ones, the first.
+    #[must_use]
+    pub fn higher(self, other: Self) -> Self {
+        if other.irradiance_w_m2 > self.irradiance_w_m2 { other } else { self }
     }
 }

@@ -5,10 +5,11 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use crate::spells::Spells;
+use crate::spells::{Spell, Spells};
 use heliotile_core::hemisphere::texel_of;
 use heliotile_core::layers::sides::TextureSides;
 use heliotile_core::site::north::North;
+use heliotile_core::weather::clear::clear_sky;
 use heliotile_core::weather::time::calendar::Date;
 use heliotile_core::weather::time::sun::Location;
 
@@ -43,6 +44,17 @@ pub struct SunDay {
     knots: Vec<DVec3>,
     /// Time in which the sun's centre is above the horizon.
     pub up: Spells,
+    /// DNI of the day's weather; `None` for a clear sky.
+    weather: Option<Vec<DniSpell>>,
+}
+
+/// Interval of weather, with its direct normal irradiance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DniSpell {
+    /// Interval of the day.
+    pub spell: Spell,
+    /// Mean direct normal irradiance of the interval, W/m2.
+    pub dni_w_m2: f64,
 }
 
 /// Texels of a sky texture that the sun passes on a day.
@@ -86,9 +98,35 @@ impl SunDay {
     pub fn new(site: &Location, date: Date, north: North) -> Self {
         let count = (DAY_MIN / KNOT_MIN) as usize + 3;
         let at = |knot: usize| north.to_axes(site.sun(date, (knot as f64 - 1.0) * KNOT_MIN));
-        let mut day = SunDay { date, knots: (0..count).map(at).collect(), up: Spells::default() };
+        let mut day = SunDay { date, knots: (0..count).map(at).collect(), up: Spells::default(), weather: None };
         day.up = day.when(|sun| sun.z);
         day
+    }
+
+    /// Returns the day under weather, or under a clear sky for `None`.
+    #[must_use]
+    pub fn under(self, weather: Option<Vec<DniSpell>>) -> Self {
+        SunDay { weather, ..self }
+    }
+
+    /// Returns the direct normal irradiance at a moment, W/m2: that of a clear sky, or the mean of
+    /// the interval of the weather. Of weather of several years the highest counts; without an
+    /// interval it is 0, as it is at night.
+    pub fn dni_w_m2(&self, minutes: f64) -> f64 {
+        let sine = self.sun(minutes).z;
+        match &self.weather {
+            _ if sine <= 0.0 => 0.0,
+            None => clear_sky(sine).0,
+            Some(intervals) => {
+                let is_now = |one: &&DniSpell| (one.spell.start_min..one.spell.end_min).contains(&minutes);
+                intervals.iter().filter(is_now).map(|one| one.dni_w_m2).fold(0.0, f64::max)
+            }
+        }
+    }
+
+    /// Iterates over the intervals of the weather; there are none under a clear sky.
+    pub fn intervals(&self) -> impl Iterator<Item = &Spell> {
+        self.weather.iter().flatten().map(|one| &one.spell)
     }
 
     /// Returns the unit vector to the sun's centre, `minutes` after midnight, 0 to 1440.

@@ -320,6 +320,73 @@ fn a_lake_reflects_the_sun_whenever_the_wall_sees_it() {
     assert!((of_pane / (2.0 * of_wall) - 1.0).abs() < 1e-4, "{of_pane} {of_wall}");
 }
 
+/// Returns a mirror, a strip 4 m wide and 60 m high that stands 30 m from a point in the direction
+/// of a bearing, and throws a sun of this azimuth at the point; degrees from north to east.
+fn aimed(at: DVec3, bearing_deg: f64, sun_azimuth_deg: f64) -> Rectangle {
+    let bearing = |deg: f64| DVec3::new(deg.to_radians().sin(), deg.to_radians().cos(), 0.0);
+    let normal = (bearing(sun_azimuth_deg) - bearing(bearing_deg)).normalize();
+    let across = normal.cross(DVec3::Z);
+    Rectangle(at + 30.0 * bearing(bearing_deg) - 2.0 * across, 4.0 * across, 60.0 * DVec3::Z)
+}
+
+/// Nine perfect mirrors throw the noon sun on one point of the ground, where they add up to
+/// 9 x DNI x sine of the altitude: under 900 W/m2 on 20 June at 52 N, 9 x 900 x sin 61.4 degrees,
+/// 7113 W/m2. Two mirrors that throw it on another point in the morning and in the afternoon do not
+/// add up. A day of clouds has no hot spot. Under a clear sky the DNI is that of one image. By
+/// surface the hotter receiver counts.
+#[test]
+fn all_images_of_a_moment_add_up() {
+    let folder = Folder::new();
+    let (focus, apart) = (DVec3::ZERO, DVec3::new(400.0, 0.0, 0.0));
+    let mut panes: Vec<(&str, Rectangle)> =
+        (-4..=4).map(|number| ("pane", aimed(focus, 10.0 * f64::from(number), 180.0))).collect();
+    panes.extend([("early", aimed(apart, -20.0, 150.0)), ("late", aimed(apart, 20.0, 210.0))]);
+    folder.write("s.obj", &Panes { panes: &panes, walls: &[] }.obj("mirror"));
+    folder.write("m.toml", &MATERIALS.replace("specular = 0.8", "specular = 1.0"));
+    folder.write(
+        "r.csv",
+        "receiver,x,y,z,nx,ny,nz,area,surface\nfocus,0,0,0.02,0,0,1,1,square\napart,400,0,0.02,0,0,1,1,square\n",
+    );
+    run(&folder, "build s.obj -m m.toml -r r.csv --latitude 52 --longitude 5 -o s.helio");
+    let mut weather = String::from("time,ghi,dni,dhi\n");
+    for (day, hour) in (19..=22).flat_map(|day| (0..24).map(move |hour| (day, hour))) {
+        let dni = if (19..=20).contains(&day) { 900 } else { 0 };
+        weather.push_str(&format!("2017-06-{day}T{hour:02}:00Z,{},{dni},50\n", 50 + dni / 2));
+    }
+    folder.write("w.csv", &weather);
+    let ask = |more: &str| {
+        rows(&run(&folder, &format!("glare s.helio --zone Europe/Amsterdam --dates 06-20,06-21 -o - {more}")))
+    };
+    let days = ask("--every day -w w.csv");
+    let cell = |table: &BTreeMap<(String, String), BTreeMap<String, String>>, date: &str, place: &str, column: &str| {
+        table[&(date.to_owned(), place.to_owned())][column].clone()
+    };
+    let number = |text: String| text.parse::<f64>().expect("a number");
+    // 20 June is day 170; summer time is two hours ahead of UTC.
+    let sine = |clock: &str| sun(170.0 + (minutes_of(&format!("{clock}:00")) - 120.0) / 1440.0, 52.0, 5.0).z;
+    let noon = (0..1440).map(|minute| sun(170.0 + f64::from(minute) / 1440.0, 52.0, 5.0).z).fold(0.0, f64::max);
+    let [hot, at] = ["hot_spot_w_m2", "hot_spot_at"].map(|column| cell(&days, "06-20", "focus", column));
+    assert!((number(hot.clone()) - 9.0 * 900.0 * noon).abs() < 1.0 && noon - sine(&at) < 1e-5, "{hot} at {at}");
+    let [hot, at] = ["hot_spot_w_m2", "hot_spot_at"].map(|column| cell(&days, "06-20", "apart", column));
+    assert!((number(hot.clone()) - 900.0 * sine(&at)).abs() < 2.0 && noon - sine(&at) > 0.01, "{hot} at {at}");
+    for place in ["focus", "apart"] {
+        let cloudy = ["hot_spot_w_m2", "hot_spot_at", "irradiance_w_m2"].map(|name| cell(&days, "06-21", place, name));
+        assert_eq!(cloudy, ["0.00", "", "0.00"]);
+        assert!(number(cell(&days, "06-21", place, "glare_minutes")) > 10.0, "{days:?}");
+    }
+    let (both, clear) = (ask("-w w.csv --by surface"), ask("--by surface"));
+    let of_both = |column: &str| cell(&both, "total", "square", column);
+    assert_eq!(of_both("hot_spot_w_m2"), cell(&days, "06-20", "focus", "hot_spot_w_m2"));
+    assert_eq!(
+        (of_both("hot_spot_date"), of_both("hot_spot_at")),
+        ("06-20".into(), cell(&days, "06-20", "focus", "hot_spot_at"))
+    );
+    let [one, all] = ["irradiance_w_m2", "hot_spot_w_m2"].map(|column| number(cell(&clear, "total", "square", column)));
+    assert!((all / (9.0 * one * noon) - 1.0).abs() < 1e-3, "{one} {all}");
+    folder.write("short.csv", &weather.lines().take(25).map(|line| format!("{line}\n")).collect::<String>());
+    folder.fails("glare s.helio --dates 06-20 -w short.csv -o x.csv", "input lacks short.csv hours");
+}
+
 /// Tables, maps and the calendar of panes are written by the extensions of their names. Fourteen
 /// wrong requests are refused, and leave no file behind.
 #[test]

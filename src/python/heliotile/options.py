@@ -896,7 +896,7 @@ class SunlightOptions(TypedDict, total=False):
     """Refine moments at which an edge within a texel decides, by casting rays at the scene in the archive."""
 
     weather: Any | None
-    """Weather file for rules of probable sunlight hours: hours with a DNI of at least 120 W/m2 count as sunny."""
+    """Weather file, such as .epw: rules of probable sunlight hours count its hours with a DNI of at least 120 W/m2, and irradiance of glare follows its DNI instead of that of a clear sky."""
 
     latitude: float | None
     """Latitude of the weather, degrees, north positive, in place of that of the file [default if the file states none: that of the scene]"""
@@ -964,6 +964,27 @@ class GlareOptions(TypedDict, total=False):
 
     exact: bool
     """Refine moments at which an edge within a texel decides, by casting rays at the scene in the archive."""
+
+    weather: Any | None
+    """Weather file, such as .epw: rules of probable sunlight hours count its hours with a DNI of at least 120 W/m2, and irradiance of glare follows its DNI instead of that of a clear sky."""
+
+    latitude: float | None
+    """Latitude of the weather, degrees, north positive, in place of that of the file [default if the file states none: that of the scene]"""
+
+    longitude: float | None
+    """Longitude of the weather, degrees, east positive, in place of that of the file."""
+
+    time_zone: str | float | None
+    """Time zone of the weather file's clock, in place of that of the file: hours ahead of UTC, such as +01:00, -7 or UTC, or a name, such as Europe/Amsterdam, with its summer time. If its time stamps state an offset, the zone of days and labels in results."""
+
+    shift: str | float | None
+    """Shift of the weather file's time stamps, such as 41min, -30min or 0.5h; `auto` chooses the shift under which GHI, DNI and DHI agree best, if they agree clearly better."""
+
+    weather_stamp: Literal["start", "middle", "end"] | None
+    """Position of the weather file's time stamps in their intervals; middle for values at one moment [default: as the format, the names of columns or hours 1 to 24 imply; start for plain CSV]"""
+
+    date_order: Literal["dmy", "mdy", "ymd"] | None
+    """Order of day and month in the weather file's dates of three numbers, such as 01/06/2021 [default: what the whole column shows]"""
 
     every: Literal["hour", "day", "month", "year", "total"] | None
     """Period of a row, without `rules`: a day, or all days of a month, a year or all of them [default: total]"""

@@ -8,6 +8,7 @@
 use crate::outputs::pictures::colours::label;
 use heliotile_core::replay::components::{Component, ComponentList, LightMeasure};
 use heliotile_core::replay::values::TileValues;
+use heliotile_core::weather::time::calendar::Date;
 
 /// Number that each place has for each bin.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -33,6 +34,8 @@ pub enum Measure {
     Minutes,
     /// Minutes after midnight; tables show a reading of the clock.
     Clock,
+    /// Days since 1970-01-01; tables show a date, with its year if results name years.
+    Date { names_year: bool },
     /// Temperature, degrees Celsius.
     Celsius,
     /// Duration in hours.
@@ -89,7 +92,10 @@ impl Measure {
                 let minutes = f64::from(value).round() as i64;
                 Some(format!("{:02}:{:02}", minutes.div_euclid(60), minutes.rem_euclid(60)))
             }
-            Measure::Clock => Some(String::new()),
+            Measure::Date { names_year } if value.is_finite() => {
+                Some(Date::of_day_number(value as i32).map_or_else(String::new, |date| date.day_label(names_year)))
+            }
+            Measure::Clock | Measure::Date { .. } => Some(String::new()),
             Measure::Verdict => Some(Verdict::name_of(value).to_owned()),
             _ => None,
         }

@@ -8,7 +8,7 @@ use heliotile_core::weather::time::clock_zone::ClockZone;
 use heliotile_results::outputs::quantities::{Measure, Quantity, ValueSource, Verdict as Judgement};
 use heliotile_results::outputs::tables::bin_labels::BinLabels;
 use heliotile_results::outputs::tables::layout::{BinKind, By, Layout};
-use heliotile_sunlight::{Spells, Strongest, SunSeen};
+use heliotile_sunlight::{HotSpot, Spells, Strongest, SunSeen};
 
 /// Number of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,6 +39,12 @@ enum Number {
     Irradiance,
     /// Angle between the sun and its image.
     Deflection,
+    /// Greatest irradiance by all images of the sun together.
+    HotSpot,
+    /// Date of the greatest irradiance.
+    HotSpotDate,
+    /// Time of the greatest irradiance.
+    HotSpotAt,
     /// Value of a rule.
     Value,
     /// Least value that meets the rule.
@@ -71,8 +77,8 @@ impl<'a> DayColumns<'a> {
     /// are about groups, if there are values before a change, and if minutes are of glare.
     pub fn new(asked: &'a RowSubject, plan: &'a DayPlan, is_of_groups: bool, has_before: bool, is_glare: bool) -> Self {
         use Number::{
-            AtLeast, AtMost, Before, Deflection, First, Irradiance, Last, Least, Lit, Longest, Lost, Mean, Most, Sun,
-            Uncertain, Value, ValueBefore, ValueUncertain, Verdict, VerdictBefore,
+            AtLeast, AtMost, Before, Deflection, First, HotSpot, HotSpotAt, HotSpotDate, Irradiance, Last, Least, Lit,
+            Longest, Lost, Mean, Most, Sun, Uncertain, Value, ValueBefore, ValueUncertain, Verdict, VerdictBefore,
         };
         let numbers = match asked {
             RowSubject::Dates(DateRows { is_by_day: true, .. }) => vec![Sun, Lit, Longest, First, Last, Uncertain],
@@ -86,7 +92,10 @@ impl<'a> DayColumns<'a> {
             }
         };
         let of_mirrors: &[Number] = match asked {
-            RowSubject::Dates(_) if is_glare => &[Irradiance, Deflection],
+            RowSubject::Dates(DateRows { is_by_day: true, .. }) if is_glare => {
+                &[Irradiance, Deflection, HotSpot, HotSpotAt]
+            }
+            RowSubject::Dates(_) if is_glare => &[Irradiance, Deflection, HotSpot, HotSpotDate, HotSpotAt],
             _ => &[],
         };
         let former: &[Number] = match (has_before, asked) {
@@ -122,7 +131,7 @@ impl<'a> DayColumns<'a> {
             RowSubject::Rules(rules) => rules.iter().all(|planned| !planned.rule.measure.is_percent()),
         };
         let quantity = |(array, number): (usize, &Number)| {
-            let (name, words, measure) = number.described(self.is_glare);
+            let (name, words, measure) = number.described(self.is_glare, self.plan.names_years);
             // A table of rules in percent and in minutes has no common unit.
             let is_of_rule = matches!(self.asked, RowSubject::Rules(_));
             let measure = if measure == Measure::Number && is_time && is_of_rule { Measure::Minutes } else { measure };
@@ -173,6 +182,7 @@ impl<'a> DayColumns<'a> {
         let minutes = |of: fn(&AnswerItem) -> f64| days.items().map(of);
         let seen = || days.items().flat_map(|item| &item.days).map(|day: &SunSeen| &day.seen);
         let strongest = || days.items().filter_map(|item| item.strongest).reduce(Strongest::and);
+        let hot_spot = || days.items().filter_map(|item| item.hot_spot).reduce(HotSpot::higher);
         let ahead_min = days.dates.first().and_then(|date| self.plan.dates.get(*date));
         let ahead_min = ahead_min.map_or(0.0, |date| self.zone.ahead_min(*date));
         match number {
@@ -187,6 +197,9 @@ impl<'a> DayColumns<'a> {
             Number::Most => minutes(|item| item.value.value).fold(0.0, f64::max),
             Number::Irradiance => strongest().map_or(0.0, |one| one.irradiance_w_m2),
             Number::Deflection => strongest().map_or(f64::NAN, |one| one.deflection_deg),
+            Number::HotSpot => hot_spot().map_or(0.0, |one| one.irradiance_w_m2),
+            Number::HotSpotDate => hot_spot().map_or(f64::NAN, |one| one.date.day_number().into()),
+            Number::HotSpotAt => hot_spot().map_or(f64::NAN, |one| one.at_min + self.zone.ahead_min(one.date)),
             Number::Mean => minutes(|item| item.value.value).sum::<f64>() / days.dates.len().max(1) as f64,
             Number::Least => minutes(|item| item.value.value).fold(f64::INFINITY, f64::min),
             Number::Lit => seen().map(Spells::minutes).sum(),
@@ -200,7 +213,7 @@ impl<'a> DayColumns<'a> {
 
 impl Number {
     /// Returns the name of the column, the description in words, and the measure.
-    fn described(self, is_glare: bool) -> (&'static str, &'static str, Measure) {
+    fn described(self, is_glare: bool, names_year: bool) -> (&'static str, &'static str, Measure) {
         match self {
             Number::Sun if is_glare => ("glare_minutes", "sun in mirrors", Measure::Minutes),
             Number::Lit if is_glare => ("any_minutes", "sun in mirrors at any of it", Measure::Minutes),
@@ -212,6 +225,9 @@ impl Number {
             Number::Most => ("most_minutes", "sun in mirrors, day with the most", Measure::Minutes),
             Number::Irradiance => ("irradiance_w_m2", "irradiance by the sun in mirrors at most", Measure::Number),
             Number::Deflection => ("deflection_deg", "least angle between the sun and its image", Measure::Number),
+            Number::HotSpot => ("hot_spot_w_m2", "irradiance by all mirrors at once at most", Measure::Number),
+            Number::HotSpotDate => ("hot_spot_date", "date of that irradiance", Measure::Date { names_year }),
+            Number::HotSpotAt => ("hot_spot_at", "time of that irradiance", Measure::Clock),
             Number::Sun => ("sun_minutes", "possible sun", Measure::Minutes),
             Number::Lit => ("lit_minutes", "enough of it lit", Measure::Minutes),
             Number::Mean => ("mean_minutes", "possible sun, mean of the days", Measure::Minutes),

@@ -15,7 +15,7 @@ use heliotile_core::site::north::North;
 use heliotile_core::weather::time::calendar::Date;
 use heliotile_core::weather::time::sun::Location;
 use heliotile_core::weather::time::utc_offset::UtcOffset;
-use heliotile_sunlight::{Spells, SunDay, SunPasses};
+use heliotile_sunlight::{DniSpell, Spell, Spells, SunDay, SunPasses};
 use heliotile_weather::series::Weather;
 
 /// Least direct normal irradiance of sunshine, W/m2 (World Meteorological Organization, "Guide to
@@ -38,6 +38,8 @@ pub struct DayPlan {
     pub dates: Vec<Date>,
     /// True if results name the year of a day.
     pub names_years: bool,
+    /// Weather of the days, if any is given.
+    pub weather: Option<WeatherDays>,
 }
 
 /// Sun on these days in the axes of a site, and its paths through the site's textures.
@@ -66,8 +68,8 @@ pub struct RuleDay {
     pub counts: Spells,
 }
 
-/// Sunny spells of a day, by month and day.
-pub struct SunnyHours(BTreeMap<MonthDay, Spells>);
+/// Direct normal irradiance of weather, by month and day.
+pub struct WeatherDays(BTreeMap<MonthDay, Vec<DniSpell>>);
 
 /// Day of any year.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -89,12 +91,12 @@ impl DayPlan {
         dates.sort_by_key(|date| date.day_number());
         dates.dedup();
         let names_years = !spans.is_empty() && spans.iter().copied().flatten().all(DaySpan::has_year);
-        DayPlan { site, zone, year, dates, names_years }
+        DayPlan { site, zone, year, dates, names_years, weather: None }
     }
 
     /// Returns the label of a day in results.
-    pub fn label(&self, Date { year, month, day }: Date) -> String {
-        if self.names_years { format!("{year:04}-{month:02}-{day:02}") } else { format!("{month:02}-{day:02}") }
+    pub fn label(&self, date: Date) -> String {
+        date.day_label(self.names_years)
     }
 
     /// Returns the indices of the days of some spans, in order, each once.
@@ -107,19 +109,15 @@ impl DayPlan {
 
     /// Returns the sun on these days, and its paths through textures.
     pub fn suns(&self, north: North, sides: TextureSides) -> SunDays {
-        let days: Vec<SunDay> = self.dates.par_iter().map(|date| SunDay::new(&self.site, *date, north)).collect();
+        let weather = |date: Date| self.weather.as_ref().map(|weather| weather.on(date).to_vec());
+        let day = |date: &Date| SunDay::new(&self.site, *date, north).under(weather(*date));
+        let days: Vec<SunDay> = self.dates.par_iter().map(day).collect();
         SunDays { passes: days.par_iter().map(|day| day.passes(sides)).collect(), days }
     }
 
     /// Returns the rules with their days. Errors: a rule without days if none are requested, and a
     /// rule that counts sunny hours without weather.
-    pub fn rules(
-        &self,
-        rules: Vec<Rule>,
-        asked: &[DaySpan],
-        sunny: Option<&SunnyHours>,
-        least_altitude_deg: f64,
-    ) -> Result<Vec<PlannedRule>> {
+    pub fn rules(&self, rules: Vec<Rule>, asked: &[DaySpan], least_altitude_deg: f64) -> Result<Vec<PlannedRule>> {
         let suns: Vec<SunDay> =
             self.dates.iter().map(|date| SunDay::new(&self.site, *date, North::default())).collect();
         let planned = |rule: Rule| {
@@ -137,7 +135,7 @@ impl DayPlan {
                 )
                 .because(Problem::Missing));
             }
-            let sunny = match (rule.measure, sunny) {
+            let weather = match (rule.measure, &self.weather) {
                 (RuleMeasure::ProbablePercent, None) => {
                     let what =
                         format!("the rule `{}` counts the sunny hours of a weather file, and none is given", rule.name);
@@ -148,7 +146,7 @@ impl DayPlan {
                     )
                     .because(Problem::needs("weather")));
                 }
-                (RuleMeasure::ProbablePercent, Some(sunny)) => Some(sunny),
+                (RuleMeasure::ProbablePercent, Some(weather)) => Some(weather),
                 _ => None,
             };
             let altitude_deg = rule.least_altitude_deg.max(least_altitude_deg);
@@ -159,8 +157,8 @@ impl DayPlan {
                 if let Some(hours) = rule.hours {
                     counts = counts.within(&self.standard(hours, sun));
                 }
-                if let Some(sunny) = sunny {
-                    counts = counts.within(&sunny.on(sun.date));
+                if let Some(weather) = weather {
+                    counts = counts.within(&weather.sunny(sun.date));
                 }
                 open_min += counts.minutes();
                 of_rule.push(RuleDay { number, counts });
@@ -188,19 +186,16 @@ fn solar_noon_min(sun: &SunDay) -> f64 {
     afternoon.iter().map(|spell| spell.start_min).find(|start| *start > 0.0).unwrap_or(NOON_MIN)
 }
 
-impl SunnyHours {
-    /// Returns the sunny spells of weather, by a clock with this offset from UTC. A spell has
-    /// direct irradiance of at least 120 W/m2, the World Meteorological Organization's definition
-    /// of sunshine.
+impl WeatherDays {
+    /// Returns the intervals of weather, by a clock with this offset from UTC.
     pub fn new(weather: &Weather, offset: UtcOffset) -> Self {
         let later_min = f64::from(offset.minutes()) - 60.0 * weather.site.zone_hours;
-        let mut found: BTreeMap<MonthDay, Spells> = BTreeMap::new();
-        let mut add = |date: Date, start_min: f64, end_min: f64| {
-            let spells = found.entry(date.into()).or_default();
-            // By another clock, the last rows of a year may lie in its first day.
-            *spells = spells.and(&Spells::one(start_min, end_min));
-        };
-        for row in weather.rows.iter().filter(|row| row.dni_w_m2 >= SUNSHINE_DNI_W_M2) {
+        let mut found: BTreeMap<MonthDay, Vec<DniSpell>> = BTreeMap::new();
+        for row in &weather.rows {
+            let mut add = |date: Date, start_min: f64, end_min: f64| {
+                let spell = Spell { start_min, end_min };
+                found.entry(date.into()).or_default().push(DniSpell { spell, dni_w_m2: row.dni_w_m2 });
+            };
             let (date, start_min) = row.interval.date.after(row.interval.start_min + later_min);
             let end_min = start_min + 60.0 * row.interval.hours();
             add(date, start_min, end_min.min(DAY_MIN));
@@ -208,25 +203,32 @@ impl SunnyHours {
                 add(date.after(DAY_MIN).0, 0.0, end_min - DAY_MIN);
             }
         }
-        SunnyHours(found)
+        WeatherDays(found)
     }
 
-    fn on(&self, date: Date) -> Spells {
-        self.0.get(&date.into()).cloned().unwrap_or_default()
+    /// Returns the intervals of a day, in the order of the file. By another clock, the last rows of
+    /// a year may lie in its first day.
+    fn on(&self, date: Date) -> &[DniSpell] {
+        self.0.get(&date.into()).map_or(&[], Vec::as_slice)
     }
 
-    /// Refuses weather that lacks days of rules that count its hours, as missing hours would count
-    /// as hours without sun.
-    pub fn check(weather: &Weather, plan: &DayPlan, rules: &[PlannedRule], file: &Path) -> Result<()> {
+    /// Returns the sunny spells of a day: those with direct irradiance of at least 120 W/m2, the
+    /// World Meteorological Organization's definition of sunshine.
+    fn sunny(&self, date: Date) -> Spells {
+        let sunny = self.on(date).iter().filter(|one| one.dni_w_m2 >= SUNSHINE_DNI_W_M2);
+        sunny.fold(Spells::default(), |sum, one| sum.and(&Spells::one(one.spell.start_min, one.spell.end_min)))
+    }
+
+    /// Refuses weather that lacks dates whose hours count, as missing hours would count as hours
+    /// without sun.
+    pub fn check<'d>(weather: &Weather, mut dates: impl Iterator<Item = &'d Date>, file: &Path) -> Result<()> {
         let held: BTreeSet<MonthDay> = weather.rows.iter().map(|row| row.interval.date.into()).collect();
-        let of_weather = rules.iter().filter(|planned| planned.rule.measure == RuleMeasure::ProbablePercent);
-        let dates = of_weather.flat_map(|planned| &planned.days).filter_map(|day| plan.dates.get(day.number));
         // Files of a typical year have no 29 February.
         let is_held = |date: &Date| held.contains(&(*date).into()) || (date.month, date.day) == (2, 29);
-        match dates.into_iter().find(|date| !is_held(date)) {
+        match dates.find(|date| !is_held(date)) {
             None => Ok(()),
             Some(date) => {
-                let what = format!("has no hours of {:02}-{:02}, which a rule counts", date.month, date.day);
+                let what = format!("has no hours of {}, which are counted", date.day_label(false));
                 Err(Error::input(file, None, what, "give weather of a whole year").because(Problem::Lacks("hours")))
             }
         }
@@ -254,7 +256,7 @@ mod tests {
     fn hours_of_rules_follow_the_clock_of_the_rule() {
         let plan = plan("Europe/Amsterdam", 5.0);
         let rules = read_rules(&["gb-50180".into()]).expect("rules");
-        let planned = plan.rules(rules, &[], None, 0.0).expect("a plan");
+        let planned = plan.rules(rules, &[], 0.0).expect("a plan");
         let counts = &planned[0].days[0].counts;
         let (first, last) = (counts.first_min().unwrap_or_default(), counts.last_min().unwrap_or_default());
         assert!((0.5 * (first + last) - 771.0).abs() < 1.0, "{first} {last}");
@@ -269,13 +271,13 @@ mod tests {
     #[test]
     fn rules_without_their_weather_or_dates_are_refused() {
         let plan = plan("+01:00", 5.0);
-        let apsh = plan.rules(read_rules(&["bre-apsh".into()]).expect("rules"), &[], None, 0.0);
+        let apsh = plan.rules(read_rules(&["bre-apsh".into()]).expect("rules"), &[], 0.0);
         assert!(apsh.is_err_and(|error| error.to_string().contains("weather")));
         let undated = || -> Rule { toml::from_str("name = \"own\"\nat_least = 60").expect("a rule") };
-        let refused = plan.rules(vec![undated()], &[], None, 0.0);
+        let refused = plan.rules(vec![undated()], &[], 0.0);
         assert!(refused.is_err_and(|error| error.to_string().contains("`own` has no dates")));
         let days = ["06-21".parse().expect("a day")];
-        let planned = plan.rules(vec![undated()], &days, None, 0.0).expect("a plan");
+        let planned = plan.rules(vec![undated()], &days, 0.0).expect("a plan");
         assert_eq!((planned[0].days.len(), planned[0].days[0].number), (1, 1));
     }
 }

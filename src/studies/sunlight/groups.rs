@@ -9,10 +9,11 @@ use super::measure::RuleValue;
 use super::places::{AnswerItem, PlaceAnswer, RowSubject};
 use super::rule::LitPart;
 use heliotile_core::error::{Error, Problem, Result};
+use heliotile_core::weather::time::calendar::Date;
 use heliotile_files::spill::{Sorter, damaged};
 use heliotile_results::outputs::groups::Groups;
 use heliotile_results::outputs::tables::layout::By;
-use heliotile_sunlight::{Spells, Strongest, SunSeen};
+use heliotile_sunlight::{HotSpot, Spells, Strongest, SunSeen};
 
 /// Answers of receivers, sorted by group.
 pub struct GroupAnswers<'a> {
@@ -102,7 +103,8 @@ fn items_of(parts: &[GroupPart], asked: &RowSubject, lit_share: f64) -> Vec<Opti
                 let value =
                     RuleValue { value: mean(|one| one.value), low: mean(|one| one.low), high: mean(|one| one.high) };
                 let strongest = about.iter().filter_map(|(_, item)| item.strongest).reduce(Strongest::and);
-                AnswerItem { value, days: covered(lit_share), strongest, before: None }
+                let hot_spot = about.iter().filter_map(|(_, item)| item.hot_spot).reduce(HotSpot::higher);
+                AnswerItem { days: covered(lit_share), strongest, hot_spot, ..AnswerItem::new(value) }
             }
             RowSubject::Rules(rules) => {
                 let planned = rules.get(number)?;
@@ -145,10 +147,13 @@ fn put(bytes: &mut Vec<u8>, value: f64) {
 /// Writes an item: its number of days, its value and the spells of its days. A missing item is
 /// written as NaN.
 fn put_item(bytes: &mut Vec<u8>, item: Option<&AnswerItem>) {
-    let Some(AnswerItem { value, days, strongest, .. }) = item else { return put(bytes, f64::NAN) };
+    let Some(AnswerItem { value, days, strongest, hot_spot, .. }) = item else { return put(bytes, f64::NAN) };
     put(bytes, days.len() as f64);
     let strongest = strongest.map_or([f64::NAN; 2], |one| [one.irradiance_w_m2, one.deflection_deg]);
-    [value.value, value.low, value.high].iter().chain(&strongest).for_each(|value| put(bytes, *value));
+    let hot_spot =
+        hot_spot.map_or([f64::NAN; 3], |one| [one.irradiance_w_m2, one.date.day_number().into(), one.at_min]);
+    let values = [value.value, value.low, value.high];
+    values.iter().chain(&strongest).chain(&hot_spot).for_each(|value| put(bytes, *value));
     for spells in days.iter().flat_map(|day| [&day.seen, &day.sure, &day.possible]) {
         put(bytes, spells.iter().count() as f64);
         spells.iter().for_each(|spell| [spell.start_min, spell.end_min].iter().for_each(|value| put(bytes, *value)));
@@ -171,6 +176,9 @@ fn part_of(bytes: &[u8]) -> Option<GroupPart> {
         let value = RuleValue { value: next()?, low: next()?, high: next()? };
         let strongest = Strongest { irradiance_w_m2: next()?, deflection_deg: next()? };
         let strongest = Some(strongest).filter(|one| one.irradiance_w_m2.is_finite());
+        let (irradiance_w_m2, date) = (next()?, Date::of_day_number(next()? as i32)?);
+        let hot_spot = HotSpot { irradiance_w_m2, date, at_min: next()? };
+        let hot_spot = Some(hot_spot).filter(|one| one.irradiance_w_m2.is_finite());
         let mut spells = || {
             let mut spells = Spells::default();
             for _ in 0..next()? as usize {
@@ -182,7 +190,7 @@ fn part_of(bytes: &[u8]) -> Option<GroupPart> {
         for _ in 0..days as usize {
             of_days.push(SunSeen { seen: spells()?, sure: spells()?, possible: spells()? });
         }
-        items.push(Some(AnswerItem { value, days: of_days, strongest, before: None }));
+        items.push(Some(AnswerItem { days: of_days, strongest, hot_spot, ..AnswerItem::new(value) }));
     }
     rest.is_empty().then_some(GroupPart {
         share,

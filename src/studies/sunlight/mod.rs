@@ -2,8 +2,8 @@
 //! pictures of minutes by day or period, or of the verdict of each rule on each place.
 //!
 //! Nothing is replayed: the path of the sun is followed through the sky textures
-//! ([`heliotile_sunlight`]). Clouds are ignored unless a rule counts probable hours. Leaves
-//! and screens hide the sun only if the request says so.
+//! ([`heliotile_sunlight`]). Clouds count only for rules of probable hours and, with weather, for
+//! irradiance of glare. Leaves and screens hide the sun only if the request says so.
 
 mod calendar;
 mod columns;

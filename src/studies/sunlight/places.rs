@@ -28,7 +28,9 @@ use heliotile_results::outputs::tables::bin_labels::BinLabels;
 use heliotile_results::receivers::{PartReceivers, ReceiverSet, TileReceivers};
 use heliotile_results::resources::Resources;
 use heliotile_results::sky_components::SkyComponents;
-use heliotile_sunlight::{GlareAngles, MirrorSpells, SeenSky, Spells, Strongest, SunSeen, TileMirrors, in_any};
+use heliotile_sunlight::{
+    GlareAngles, HotSpot, MirrorSpells, SeenSky, Spells, Strongest, SunSeen, TileMirrors, in_any,
+};
 
 /// Subject of the rows of a request.
 pub enum RowSubject {
@@ -70,6 +72,8 @@ pub struct AnswerItem {
     pub days: Vec<SunSeen>,
     /// Strongest image of the sun, on dates with glare.
     pub strongest: Option<Strongest>,
+    /// Largest irradiance by all images of the sun together, on dates with glare.
+    pub hot_spot: Option<HotSpot>,
     /// Value before a change, if there was one.
     pub before: Option<RuleValue>,
 }
@@ -144,7 +148,7 @@ struct ReceiverSees<'m> {
 impl AnswerItem {
     /// Returns an item with a value only.
     pub fn new(value: RuleValue) -> Self {
-        AnswerItem { value, days: Vec::new(), strongest: None, before: None }
+        AnswerItem { value, days: Vec::new(), strongest: None, hot_spot: None, before: None }
     }
 }
 
@@ -351,14 +355,14 @@ impl PartQuestions<'_> {
         match self.all.asked {
             RowSubject::Dates(_) => {
                 let of = |spells: &Spells| spells.minutes();
-                let item = |seen: SunSeen, strongest: Option<Strongest>| {
+                let item = |seen: SunSeen| {
                     let value = RuleValue { value: of(&seen.seen), low: of(&seen.sure), high: of(&seen.possible) };
-                    Some(AnswerItem { value, days: vec![seen], strongest, before: None })
+                    AnswerItem { days: vec![seen], ..AnswerItem::new(value) }
                 };
                 match self.all.glare {
                     None => {
                         let days = sees.sun.iter().cloned().enumerate();
-                        days.map(|(number, seen)| item(self.high(number, seen), None)).collect()
+                        days.map(|(number, seen)| Some(item(self.high(number, seen)))).collect()
                     }
                     Some(angles) => {
                         let days = sees.mirrors.iter().zip(&self.suns.days).enumerate();
@@ -368,7 +372,13 @@ impl PartQuestions<'_> {
                                 mirrors.iter().map(|one| (self.high(number, one.within(day, angles)), one)).collect();
                             let strongest =
                                 counted.iter().filter_map(|(seen, mirror)| Strongest::new(mirror, day, &seen.seen));
-                            item(in_any(counted.iter().map(|(seen, _)| seen)), strongest.reduce(Strongest::and))
+                            let shown: Vec<(&Spells, &MirrorSpells)> =
+                                counted.iter().map(|(seen, mirror)| (&seen.seen, *mirror)).collect();
+                            Some(AnswerItem {
+                                strongest: strongest.reduce(Strongest::and),
+                                hot_spot: HotSpot::new(&shown, day),
+                                ..item(in_any(counted.iter().map(|(seen, _)| seen)))
+                            })
                         };
                         days.map(of_date).collect()
                     }

@@ -6,9 +6,10 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use super::calendar::DaySpan;
-use super::days::{DayPlan, SunnyHours};
+use super::days::{DayPlan, WeatherDays};
 use super::glare::GlareChoice;
 use super::places::{DateRows, RowSubject};
+use super::rule::RuleMeasure;
 use super::rule_files::{own_rules, read_rules};
 use super::trees::TreeShade;
 use heliotile_core::error::{Error, Problem, Result, check_ranges};
@@ -72,8 +73,8 @@ pub struct SunlightRequest {
     /// Refine moments at which an edge within a texel decides, by casting rays at the scene in the
     /// archive.
     pub exact: bool,
-    /// Weather file for rules of probable sunlight hours: hours with a DNI of at least 120 W/m2
-    /// count as sunny.
+    /// Weather file, such as .epw: rules of probable sunlight hours count its hours with a DNI of
+    /// at least 120 W/m2, and irradiance of glare follows its DNI instead of that of a clear sky.
     #[field(short = 'w', input = Weather)]
     pub weather: Option<PathBuf>,
     /// Facts about the weather file that it does not state itself.
@@ -262,18 +263,24 @@ impl SunlightRequest {
         let are_used = rules.is_empty() || rules.iter().any(|rule| rule.needs_days() && rule.dates.is_empty());
         let asked = are_used.then_some(self.dates.as_slice());
         let spans: Vec<&[DaySpan]> = rules.iter().map(|rule| rule.dates.as_slice()).chain(asked).collect();
-        let plan = DayPlan::new(site, zone, self.year, &spans);
-        let sunny = weather.as_ref().map(|weather| SunnyHours::new(weather, offset));
+        let mut plan = DayPlan::new(site, zone, self.year, &spans);
+        plan.weather = weather.as_ref().map(|weather| WeatherDays::new(weather, offset));
+        let file = weather.as_ref().zip(self.weather.as_deref());
         if self.rules.is_empty() {
+            if let Some((weather, path)) = file.filter(|_| self.glare.is_some()) {
+                WeatherDays::check(weather, plan.dates.iter(), path)?;
+            }
             let rows = self.rows(&plan);
             return Ok((plan, RowSubject::Dates(rows)));
         }
         for rule in rules.iter().filter(|rule| !rule.unconfirmed.is_empty()) {
             resources.observer.note(format!("{}: not confirmed: {}", rule.name, rule.unconfirmed));
         }
-        let rules = plan.rules(rules, &self.dates, sunny.as_ref(), self.least_altitude_deg)?;
-        if let Some((weather, path)) = weather.as_ref().zip(self.weather.as_deref()) {
-            SunnyHours::check(weather, &plan, &rules, path)?;
+        let rules = plan.rules(rules, &self.dates, self.least_altitude_deg)?;
+        if let Some((weather, path)) = file {
+            let counting = rules.iter().filter(|planned| planned.rule.measure == RuleMeasure::ProbablePercent);
+            let dates = counting.flat_map(|planned| &planned.days);
+            WeatherDays::check(weather, dates.filter_map(|day| plan.dates.get(day.number)), path)?;
         }
         Ok((plan, RowSubject::Rules(rules)))
     }

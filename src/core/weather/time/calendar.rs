@@ -89,6 +89,12 @@ impl Date {
         Date::new(date.year, date.month, date.day)
     }
 
+    /// Returns `YYYY-MM-DD`, or `MM-DD` without the year.
+    pub fn day_label(self, names_year: bool) -> String {
+        let Date { year, month, day } = self;
+        if names_year { format!("{year:04}-{month:02}-{day:02}") } else { format!("{month:02}-{day:02}") }
+    }
+
     /// Returns `YYYY-MM-DDTHH:MM`, for minutes of this date (0..1440).
     pub fn label(self, minutes: u32) -> String {
         let Date { year, month, day } = self;

@@ -165,7 +165,9 @@ impl Layout {
         let label = Column::of_bins(self.label(), Kind::Category, bins);
         let place = Column::of_places(self.place(), Kind::Category);
         let of_quantity = |quantity: &Quantity| match quantity.measure {
-            Measure::Clock | Measure::Verdict => Column::text(quantity.with_ending(LightEnding::Bare)),
+            Measure::Clock | Measure::Date { .. } | Measure::Verdict => {
+                Column::text(quantity.with_ending(LightEnding::Bare))
+            }
             _ => {
                 let name = quantity.with_ending(self.ending());
                 Column::float(name, self.digits(quantity)).with_unit(self.unit_of(quantity))
@@ -271,6 +273,7 @@ impl Layout {
             Measure::Minutes | Measure::Clock => "min",
             Measure::Celsius => CELSIUS,
             Measure::Hours => "h",
+            Measure::Date { .. } => "d",
             Measure::Number | Measure::Verdict => "1",
         }
     }
