@@ -152,8 +152,8 @@ pub mod covering {
     pub use heliotile_core::site::semantics::SurfaceKind;
     pub use heliotile_results::horizon::black_below_horizon;
     pub use heliotile_scene::covering::surfaces::Surfaces;
-    pub use heliotile_studies::along::{AlongRequest, write_points};
     pub use heliotile_studies::covering::{check_name, cover_scene, cover_site, doubts, save, summary, write};
+    pub use heliotile_studies::on_ground::{AlongRequest, AreaSource, WithinRequest, write_points};
 }
 
 /// Materials: numbers in messages, files of changes.

@@ -117,7 +117,7 @@ pub struct Compare {
     #[field(positional, required, input = Archive)]
     pub after: Vec<PathBuf>,
     /// Files to write.
-    #[field(flatten, without("model", "honeybee"))]
+    #[field(flatten, without("percentiles", "model", "honeybee"))]
     pub files: OutputRequest,
     /// Receivers that count.
     #[field(flatten)]
@@ -143,7 +143,7 @@ pub struct Sunlight {
     #[field(flatten)]
     pub site: SiteRequest,
     /// Files to write.
-    #[field(flatten, without("model", "honeybee", "positions"))]
+    #[field(flatten, without("percentiles", "model", "honeybee", "positions"))]
     pub files: OutputRequest,
     /// Receivers that count.
     #[field(flatten)]
@@ -160,7 +160,7 @@ pub struct Glare {
     #[field(flatten)]
     pub site: SiteRequest,
     /// Files to write.
-    #[field(flatten, without("model", "honeybee", "positions"))]
+    #[field(flatten, without("percentiles", "model", "honeybee", "positions"))]
     pub files: OutputRequest,
     /// Receivers that count.
     #[field(flatten)]
@@ -243,7 +243,7 @@ pub struct Comfort {
     #[field(flatten)]
     pub people: ComfortSiteRequest,
     /// Files to write.
-    #[field(flatten, without("by", "positions", "model", "honeybee"))]
+    #[field(flatten, without("by", "percentiles", "positions", "model", "honeybee"))]
     pub files: OutputRequest,
     /// Weather, and what is computed.
     #[field(flatten, without("latitude", "longitude"))]
@@ -257,7 +257,7 @@ pub struct Comfort {
 #[derive(Clone, Debug, Default, Request)]
 pub struct PeopleOfSite {
     /// Files to write.
-    #[field(flatten, without("by", "positions", "model", "honeybee"))]
+    #[field(flatten, without("by", "percentiles", "positions", "model", "honeybee"))]
     pub files: OutputRequest,
     /// Weather, and what is computed.
     #[field(flatten)]

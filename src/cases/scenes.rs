@@ -1,5 +1,6 @@
 //! Requests of commands that read scenes and trace them.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use heliotile_builder::planning::{AccuracyRequest, parse_negligible, parse_preview};
@@ -19,8 +20,8 @@ use heliotile_requests::Request;
 use heliotile_scene::edit::SceneEdits;
 use heliotile_scene::request::SceneRequest;
 use heliotile_scene::site::guard_site;
-use heliotile_studies::along::{AlongRequest, write_points};
 use heliotile_studies::covering::{CoverRequest, Density, cover_site, summary, write};
+use heliotile_studies::on_ground::{AlongRequest, AreaSource, GroundPoint, WithinRequest, write_points};
 use heliotile_studies::pv::PvRequest;
 use heliotile_studies::{RunRequest, TradeoffRequest, UpdateRequest};
 
@@ -131,6 +132,11 @@ pub struct Receivers {
     /// Add receivers of --along that face backwards, for travel in both directions.
     #[field(requires("along"))]
     pub both_ways: bool,
+    /// Put level receivers on the ground within areas, such as gardens and squares, in place of
+    /// surfaces, --spacing apart and --offset above the ground: a CSV file of the corners of areas
+    /// with columns x and y, and optionally area (a name), or a box xmin,ymin,xmax,ymax.
+    #[field(metavar = "FILE|BOX", conflicts("on", "types", "per_surface", "buried", "min_area", "along"), input = Any)]
+    pub within: Option<AreaSource>,
 }
 
 /// Request of `build`.
@@ -259,9 +265,18 @@ impl Receivers {
 
     /// Returns the lines that receivers go along, if they are given.
     pub fn lines(&self) -> Option<AlongRequest> {
-        let spacing_m = if let Density::Spacing(metres) = self.cover.density { metres } else { 2.0 };
         let (height_m, both_ways) = (self.eye_height_m.unwrap_or(EYES_M), self.both_ways);
-        Some(AlongRequest { lines: self.along.clone()?, spacing_m, height_m, both_ways })
+        Some(AlongRequest { lines: self.along.clone()?, spacing_m: self.spacing_m(), height_m, both_ways })
+    }
+
+    /// Returns the areas that receivers lie in, if they are given.
+    pub fn areas(&self) -> Option<WithinRequest> {
+        let above_m = self.cover.offset_m;
+        Some(WithinRequest { areas: self.within.clone()?, spacing_m: self.spacing_m(), above_m })
+    }
+
+    fn spacing_m(&self) -> f64 {
+        if let Density::Spacing(metres) = self.cover.density { metres } else { 2.0 }
     }
 }
 
@@ -285,6 +300,16 @@ impl Receivers {
             return Ok(
                 format!("{}, {} m above the road\n", counted(points.len() as u64, "receiver"), along.height_m).into()
             );
+        }
+        if let Some(within) = self.areas() {
+            if let (true, AreaSource::File(file)) = (to_file, &within.areas) {
+                guard_output(output, &[file])?;
+            }
+            let points = within.points(&site, observer)?;
+            write_points(output, &points)?;
+            let areas: BTreeSet<&str> = points.iter().filter_map(GroundPoint::area).collect();
+            let (count, areas) = (counted(points.len() as u64, "receiver"), counted(areas.len() as u64, "area"));
+            return Ok(format!("{count} in {areas}, {} m above the ground\n", within.above_m).into());
         }
         let (_, covered) = cover_site(&site, &self.cover, observer)?;
         // A build warns of them itself.

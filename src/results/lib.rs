@@ -41,6 +41,7 @@ pub mod gap_fractions;
 pub mod horizon;
 pub mod outputs;
 pub mod own_skies;
+pub mod percentiles;
 pub mod places;
 pub mod receivers;
 pub mod report;

@@ -4,7 +4,7 @@
 //! | room | what it holds |
 //! | --- | --- |
 //! | [`covering`] | receivers on a scene's surfaces, and the table of these receivers |
-//! | [`along`] | receivers along lines, such as roads |
+//! | [`on_ground`] | receivers along lines, such as roads, and within areas, such as gardens |
 //! | [`site_build`] | archive of a scene's receivers: planned, built, or kept in a folder |
 //! | [`run`] | from scene files to a folder of a year's results in one go |
 //! | [`pv`] | light on solar modules, and their best orientation |
@@ -17,9 +17,9 @@
 //! No code here prints or knows a command line. Messages go to an
 //! [`Observer`](heliotile_core::observer::Observer); errors name fields of requests.
 
-pub mod along;
 mod checks;
 pub mod covering;
+pub mod on_ground;
 mod people;
 pub mod pv;
 pub mod run;

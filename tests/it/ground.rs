@@ -128,3 +128,43 @@ fn ground_reflectance_follows_months_and_snow() {
     let repaired = run("archive repair bare.helio m.idf");
     assert!(stdout(&repaired).contains("root as before"), "{}", stdout(&repaired));
 }
+
+/// A garden of 12 x 10 m reaches 4 m into a long house on its north side. South of the house it
+/// has 72 receivers at 1 m, 2 cm above the ground; the 48 in the house are left out. A box beside
+/// it has 6. At the equinox half of the garden or more has two hours of sun (BRE 209), and the yard
+/// north of the house, 8 m2, has not.
+#[test]
+fn areas_of_the_ground_get_receivers() {
+    let folder = Folder::new();
+    let mut house = String::from("v -60 -60 0\nv 60 -60 0\nv 60 60 0\nv -60 60 0\n");
+    for z in [0, 6] {
+        house.push_str(&format!("v -40 6 {z}\nv 40 6 {z}\nv 40 10 {z}\nv -40 10 {z}\n"));
+    }
+    house.push_str("o lawn\nusemtl lawn\nf 1 2 3 4\no house\nusemtl brick\nf 9 10 11 12\n");
+    house.push_str("f 5 6 10 9\nf 6 7 11 10\nf 7 8 12 11\nf 8 5 9 12\n");
+    folder.write("s.obj", &house);
+    let areas = "area,x,y\ngarden,0,0\ngarden,12,0\ngarden,12,10\ngarden,0,10\n\
+                 yard,4,10\nyard,8,10\nyard,8,12\nyard,4,12\n";
+    folder.write("areas.csv", areas);
+    let run = |arguments: &str| {
+        let output = folder.run(arguments);
+        assert_eq!(output.status.code(), Some(0), "{arguments}: {}", stderr(&output));
+        output
+    };
+    let made = run("receivers s.obj --within areas.csv --spacing 1m -o r.csv");
+    assert!(stdout(&made).contains("80 receivers in 2 areas"), "{}", stdout(&made));
+    assert!(stderr(&made).contains("48 places left out: inside a building"), "{}", stderr(&made));
+    let table = std::fs::read_to_string(folder.path("r.csv")).expect("receivers");
+    assert!(table.contains("garden#1,0.5000,0.5000,0.0200,0.000000,0.000000,1.000000,1.0000,garden,"), "{table}");
+    let boxed = run("receivers s.obj --within 20,0,23,2 --spacing 1m -o -");
+    assert_eq!(stdout(&boxed).lines().filter(|line| line.starts_with("box#")).count(), 6);
+    run("build s.obj -r r.csv --latitude 52 --longitude 5 -o s.helio");
+    let judged = stdout(&run("sunlight s.helio --rule bre-ground --by surface"));
+    let verdict = |name: &str| -> &str {
+        let row = judged.lines().find(|line| line.contains(&format!(",{name},"))).expect("a row");
+        row.split(',').nth(5).expect("a verdict")
+    };
+    assert_eq!((verdict("garden"), verdict("yard")), ("met", "broken"), "{judged}");
+    folder.fails("receivers s.obj --within 200,0,210,9 -o x.csv", "argument misplaced --within");
+    folder.fails("receivers s.obj --within areas.csv -o areas.csv", "input same-file areas.csv areas.csv");
+}

@@ -209,3 +209,60 @@ fn a_file_beside_a_table_replaces_no_input() {
     assert_eq!(folder.run(&format!("{query} -o -")).status.code(), Some(0));
     assert_eq!(count(), before);
 }
+
+/// P90 of eleven years of one day each, with DHI from 100 to 200 W/m2 in a mixed order, is the sum
+/// of the second darkest, P50 that of the sixth and P10 that of the second brightest, in tables of
+/// receivers and of surfaces; a twelfth year of half a day is left out. Typical years, months and
+/// changes have no percentiles.
+#[test]
+fn percentiles_of_years_are_those_of_their_sums() {
+    let folder = Folder::new();
+    folder.write("receivers.csv", "receiver,x,y,z,nx,ny,nz,surface\na,15,5,0.02,0,0,1,lawn\nb,13,5,0.02,0,0,1,lawn\n");
+    folder.build();
+    let mut weather = String::from("time,ghi,dni,dhi\n");
+    for year in 0..12 {
+        let dhi = 100 + 10 * (year * 7 % 11);
+        let hours = if year == 11 { 0..12 } else { 0..24 };
+        for hour in hours {
+            let light = if (8..16).contains(&hour) { dhi } else { 0 };
+            weather.push_str(&format!("{}-06-21T{hour:02}:00Z,{light},0,{light}\n", 2001 + year));
+        }
+    }
+    fs::write(folder.path("w.csv"), weather).expect("a file");
+    for by in ["receiver", "surface"] {
+        let replay = |rest: &str| {
+            let words = format!(
+                "replay site.helio --columns total,sky_direct --weather w.csv --by {by} --latitude 52 --longitude 5 {rest}"
+            );
+            let output = folder.run(&words);
+            assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+            (stdout(&output), stderr(&output))
+        };
+        let total = |table: &str, label: &str, place: &str| -> f64 {
+            let found = table.lines().find_map(|line| line.strip_prefix(&format!("{label},{place},")));
+            found.and_then(|rest| rest.split(',').next()?.parse().ok()).expect("a number")
+        };
+        let ((years, _), (few, told)) = (replay("--every year"), replay("--every year --percentiles"));
+        assert!(told.contains("percentiles of 11 years, 2001 to 2011; 1 incomplete year left out"), "{told}");
+        let places: Vec<&str> = few.lines().skip(1).filter_map(|line| line.split(',').nth(1)).take(1).collect();
+        assert_eq!(few.lines().count() - 1, 3 * (years.lines().count() - 1) / 12, "{few}");
+        let mut sums: Vec<f64> = (2001..2012).map(|year| total(&years, &year.to_string(), places[0])).collect();
+        sums.sort_by(f64::total_cmp);
+        for (label, right) in [("P90", sums[1]), ("P50", sums[5]), ("P10", sums[9])] {
+            let found = total(&few, label, places[0]);
+            assert!((found / right - 1.0).abs() < 1e-4 && right > 0.1, "{label}: {found} {right}");
+        }
+    }
+    let year = data("golden_tmy3.epw");
+    for (words, told) in [
+        (
+            "replay site.helio --weather w.csv --latitude 52 --longitude 5 --every month --percentiles".into(),
+            "are those of years",
+        ),
+        (format!("replay site.helio --weather {} --every year --percentiles", year.display()), "has 1 complete year"),
+        ("compare site.helio site.helio --weather w.csv --every year --percentiles".into(), "--percentiles"),
+    ] {
+        let output = folder.run(&words);
+        assert!(output.status.code() == Some(2) && stderr(&output).contains(told), "{}", stderr(&output));
+    }
+}

@@ -99,6 +99,9 @@ class ReplayOptions(TypedDict, total=False):
     memory: int | str | None
     """Memory to work in, such as 512MiB or 2GiB. Default: `4GiB`."""
 
+    percentiles: bool
+    """Write P90, P50 and P10 in place of the years of `every` year: what is exceeded in 90, 50 and 10 % of the years of a weather file of several years."""
+
     receivers: Wanted | None
     """Only the receivers listed in a CSV file: ids in a column `receiver`."""
 
@@ -210,6 +213,9 @@ class WriteOptions(TypedDict, total=False):
 
     by: Literal["receiver", "surface", "window", "object", "building", "kind"] | None
     """Grouping of rows: what each row stands for. Default: `receiver`."""
+
+    percentiles: bool
+    """Write P90, P50 and P10 in place of the years of `every` year: what is exceeded in 90, 50 and 10 % of the years of a weather file of several years."""
 
     positions: bool
     """Add the columns x, y, z, tilt_deg, azimuth_deg and area_m2 of each receiver to the table, which `build` can then read as its `receivers`."""
@@ -343,6 +349,9 @@ class QueryOptions(TypedDict, total=False):
 
     memory: int | str | None
     """Memory to work in, such as 512MiB or 2GiB. Default: `4GiB`."""
+
+    percentiles: bool
+    """Write P90, P50 and P10 in place of the years of `every` year: what is exceeded in 90, 50 and 10 % of the years of a weather file of several years."""
 
     receivers: Wanted | None
     """Only the receivers listed in a CSV file: ids in a column `receiver`."""
@@ -1416,6 +1425,9 @@ class CoverOptions(TypedDict, total=False):
 
     both_ways: bool
     """Add receivers of `along` that face backwards, for travel in both directions."""
+
+    within: str | os.PathLike[str] | float | None
+    """Put level receivers on the ground within areas, such as gardens and squares, in place of surfaces, `spacing` apart and `offset` above the ground: a CSV file of the corners of areas with columns x and y, and optionally area (a name), or a box xmin,ymin,xmax,ymax."""
 
     progress: Progress | None
     """Called now and then with the stage, the number of items done, and the number of all."""

@@ -102,9 +102,9 @@ impl CompareRequest {
                 "give one archive, or several",
             ));
         }
-        if files.model.is_some() || files.honeybee.is_some() {
+        if files.model.is_some() || files.honeybee.is_some() || files.percentiles {
             let hint = "write a table or a map of the change";
-            return Err(Error::argument("model, honeybee", "hold the results of one archive only", hint));
+            return Err(Error::argument("model, honeybee, percentiles", "hold the results of one archive only", hint));
         }
         let has_details = files.output != Path::new("-") || !files.plots.is_empty();
         if self.after.len() > 1 && has_details {

@@ -40,6 +40,10 @@ pub struct OutputRequest {
     /// Grouping of rows: what each row stands for.
     #[field(default = "receiver")]
     pub by: By,
+    /// Write P90, P50 and P10 in place of the years of --every year: what is exceeded in 90, 50 and
+    /// 10 % of the years of a weather file of several years.
+    #[field(neutral, conflicts("model", "honeybee", "plot"))]
+    pub percentiles: bool,
     /// Add the columns x, y, z, tilt_deg, azimuth_deg and area_m2 of each receiver to the table,
     /// which `build` can then read as its --receivers.
     #[field(neutral)]
@@ -81,6 +85,10 @@ impl OutputRequest {
             return Err(
                 Error::argument("positions", what, "leave {by} out, or {positions}").because(Problem::excludes("by"))
             );
+        }
+        if self.percentiles && every != Some(Every::Year) {
+            let hint = "give a {weather} of several years and {every} year";
+            return Err(Error::argument("percentiles", "are those of years", hint).because(Problem::needs("every")));
         }
         let inputs: Vec<&Path> = inputs.iter().copied().chain(self.model.as_deref()).collect();
         if self.output != Path::new("-") {

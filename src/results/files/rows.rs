@@ -14,6 +14,7 @@ use crate::outputs::row_maker::RowMaker;
 use crate::outputs::shapes::writer::MapFormat;
 use crate::outputs::tables::layout::{By, Fact, Layout, Question};
 use crate::outputs::tables::writer::Places;
+use crate::percentiles::Percentiles;
 use crate::receivers::ReceiverSet;
 use crate::resources::Resources;
 use crate::stream::{Sinks, Tile, TileSink, TileStream};
@@ -50,6 +51,8 @@ pub struct RowFiles<'a> {
 /// Result files of one replay, or of two that are compared, being written.
 pub struct ResultSink<'a> {
     components: ComponentList,
+    /// Percentiles that rows hold in place of the series' years.
+    percentiles: Option<Percentiles>,
     /// Means of groups in each archive, in the order of [`Tile::sides`]; empty if rows are about
     /// receivers.
     means: Vec<GroupMeans>,
@@ -186,12 +189,18 @@ impl<'a> ResultSink<'a> {
         };
         let components = stream.light.columns();
         let means = groups.iter().flat_map(|groups| (0..sides).map(move |_| groups.clone()));
-        let means = means.map(|groups| GroupMeans::new(groups, components.as_slice(), rows.bin_labels().len(), memory));
+        let labels = stream.series.labels.len();
+        let means = means.map(|groups| GroupMeans::new(groups, components.as_slice(), labels, memory));
         let means = means.collect::<Result<_>>()?;
         let has_positions = rows.layout().facts.contains(&Fact::Coordinate(0));
         let positions = has_positions.then(|| Box::new(stream.receivers.receivers()) as Positions);
         let north = stream.receivers.north();
-        Ok(ResultSink { components, means, positions, north, files: RowFiles::new(rows, groups) })
+        Ok(ResultSink { components, percentiles: None, means, positions, north, files: RowFiles::new(rows, groups) })
+    }
+
+    /// Writes percentiles in place of years.
+    fn with_percentiles(self, percentiles: Option<Percentiles>) -> Self {
+        ResultSink { percentiles, ..self }
     }
 
     /// Adds a table, which is created once the replay is known to work.
@@ -208,7 +217,13 @@ impl<'a> ResultSink<'a> {
 
     /// Hands the values of some places in each archive to all files.
     fn write(&mut self, names: &[String], sides: &[&TileValues], extents: &[GroupGeometry]) -> Result<()> {
-        self.files.write(names, &PlaceValues::new(sides, self.components.as_slice()), extents)
+        let Some(percentiles) = &self.percentiles else {
+            return self.files.write(names, &PlaceValues::new(sides, self.components.as_slice()), extents);
+        };
+        let of_years: Vec<TileValues> =
+            sides.iter().map(|values| percentiles.of(values, self.components.set())).collect();
+        let sides: Vec<&TileValues> = of_years.iter().collect();
+        self.files.write(names, &PlaceValues::new(&sides, self.components.as_slice()), extents)
     }
 
     /// Returns the extents of the next receivers, if the table has their positions.
@@ -266,9 +281,16 @@ pub fn write_rows<'s>(
     if request.positions {
         rows = rows.with_positions();
     }
+    let percentiles = match request.percentiles {
+        true => Some(Percentiles::new(stream.series, stream.resources.observer)?),
+        false => None,
+    };
+    if percentiles.is_some() {
+        rows = rows.with_labels(Percentiles::labels());
+    }
     let drawn = plots.iter().filter(|(_, plot)| *plot == Plot::Map).map(|(path, _)| *path);
     let maps = request.maps(drawn)?;
-    let mut sink = ResultSink::new(&rows, groups, question, stream)?;
+    let mut sink = ResultSink::new(&rows, groups, question, stream)?.with_percentiles(percentiles);
     if request.wants_table()? {
         sink = sink.with_table(&request.output, stream, about);
     }

@@ -38,6 +38,12 @@ impl RowMaker {
         self
     }
 
+    /// Returns rows with other labels.
+    #[must_use]
+    pub fn with_labels(self, labels: BinLabels) -> Self {
+        RowMaker { labels, ..self }
+    }
+
     /// Returns the columns.
     pub fn layout(&self) -> &Layout {
         &self.layout

@@ -44,37 +44,51 @@ const HINT: &str = "give columns x and y in metres; z (height of the road, metre
 /// row is a corner, in the order of travel; consecutive rows of one name are a line. Fails if a
 /// cell is not a number or a line has no length.
 pub fn read_lines(file: &Path) -> Result<Vec<TravelLine>> {
-    let mut rows = CsvRows::open(file)?;
-    advance_to_header(&mut rows, HINT)?;
-    let mut header = Header::new(&rows, HINT);
-    let (x, y) = (header.needed(&["x"])?, header.needed(&["y"])?);
-    let (z, name) = (header.find(&["z"])?, header.find(&["line"])?);
-    let usual = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let mut lines: Vec<TravelLine> = Vec::new();
-    while rows.advance()? {
-        let z = z.filter(|z| !rows.cell(z.place).is_empty()).map(|z| number(&rows, z)).transpose()?;
-        let corner = TravelCorner { at: DVec2::new(number(&rows, x)?, number(&rows, y)?), z };
-        let name = name.map(|name| rows.cell(name.place)).filter(|name| !name.is_empty()).unwrap_or(&usual);
-        let known = lines.iter().position(|line| line.name == name);
-        match known {
-            None => lines.push(TravelLine { name: name.to_owned(), corners: vec![corner] }),
-            Some(number) if number + 1 == lines.len() => {
-                lines.last_mut().into_iter().for_each(|line| line.corners.push(corner));
-            }
-            Some(_) => {
-                let hint = "put the corners of a line one after the other";
-                return Err(rows.error(format!("the corners of line `{name}` do not follow each other"), hint));
-            }
-        }
-    }
+    let named = named_corners(file, &["line"], HINT)?.into_iter();
+    let lines: Vec<TravelLine> = named.map(|(name, corners)| TravelLine { name, corners }).collect();
     match lines.iter().find(|line| line.length_m() <= 0.0) {
-        _ if lines.is_empty() => Err(Error::input(file, None, "the file holds a header but no corners", HINT)),
         Some(line) => {
             let what = format!("line `{}` has no length", line.name);
             Err(Error::input(file, None, what, "give at least two corners, in the order of travel"))
         }
         None => Ok(lines),
     }
+}
+
+/// Reads corners from a CSV file with columns `x,y`, optional `z`, and an optional column of names,
+/// which is `called`. Consecutive rows of one name belong together; without a name they have that
+/// of the file. Fails if a cell is not a number, there is no row, or names are mixed.
+pub(super) fn named_corners(
+    file: &Path,
+    called: &'static [&'static str],
+    hint: &'static str,
+) -> Result<Vec<(String, Vec<TravelCorner>)>> {
+    let mut rows = CsvRows::open(file)?;
+    advance_to_header(&mut rows, hint)?;
+    let mut header = Header::new(&rows, hint);
+    let (x, y) = (header.needed(&["x"])?, header.needed(&["y"])?);
+    let (z, name) = (header.find(&["z"])?, header.find(called)?);
+    let usual = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let mut found: Vec<(String, Vec<TravelCorner>)> = Vec::new();
+    while rows.advance()? {
+        let z = z.filter(|z| !rows.cell(z.place).is_empty()).map(|z| number(&rows, z)).transpose()?;
+        let corner = TravelCorner { at: DVec2::new(number(&rows, x)?, number(&rows, y)?), z };
+        let name = name.map(|name| rows.cell(name.place)).filter(|name| !name.is_empty()).unwrap_or(&usual);
+        match found.iter().position(|(known, _)| known == name) {
+            None => found.push((name.to_owned(), vec![corner])),
+            Some(number) if number + 1 == found.len() => {
+                found.last_mut().into_iter().for_each(|(_, corners)| corners.push(corner));
+            }
+            Some(_) => {
+                let what = format!("the corners of {} `{name}` do not follow each other", called.concat());
+                return Err(rows.error(what, "put them one after the other"));
+            }
+        }
+    }
+    if found.is_empty() {
+        return Err(Error::input(file, None, "the file holds a header but no corners", hint));
+    }
+    Ok(found)
 }
 
 impl TravelLine {

@@ -1,5 +1,5 @@
-//! Crowns of trees. In: heights of crowns and of their undersides above the ground. Out: closed hulls of leaves whose
-//! underside lies above open trunk space.
+//! Crowns of trees. In: heights of crowns and of their undersides above the ground. Out: closed
+//! hulls of leaves, with open trunk space below.
 
 use std::collections::HashMap;
 

@@ -290,8 +290,8 @@ fn a_crown_over_a_lawn_is_a_hull() {
     assert_eq!((trees.len(), trees[0].object.as_str()), (1, "trees_1012_1988"));
 }
 
-/// A crown of 6 x 6 x 8 m whose underside is stated in cells of 1 m. At 3 m its sides have 120 m2; at
-/// 0 m it stands on the ground; where nothing is stated the underside lies at 2 m. At 9 m, above
+/// The underside of a crown of 6 x 6 x 8 m is stated in cells of 1 m. At 3 m its sides have 120 m2;
+/// at 0 m it stands on the ground; where nothing is stated the underside lies at 2 m. At 9 m, above
 /// the top, a warning counts the 144 cells and sides have 9.6 m2.
 #[test]
 fn undersides_of_crowns_are_read() {
