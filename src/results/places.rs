@@ -7,7 +7,7 @@ use super::archives::Archives;
 use super::buildings::check_table;
 use super::stream::TileStream;
 use crate::outputs::buildings::{Envelope, building_of, face_of};
-use crate::outputs::pv::places::{PlaceCandidate, best_places};
+use crate::outputs::pv::places::{ModulePlace, PlaceCandidate, best_places};
 use crate::outputs::tables::column::Column;
 use crate::outputs::tables::format::table_help;
 use crate::outputs::tables::records::Records;
@@ -90,15 +90,16 @@ impl PlacesRequest {
         let best = best_places(&candidates, self.module_m, self.best);
         if best.len() < self.best {
             stream.resources.observer.warn(message!(
-                "{} of {} x {} m found instead of {}: each has its middle at a receiver, and receivers may be too far apart ({{spacing}})",
+                "{} of {} x {} m found instead of {}: no more fit",
                 counted(best.len() as u64, "place"),
                 self.module_m[0],
                 self.module_m[1],
                 self.best
             ));
         }
-        let (places, north) = (best.iter().map(|&i| &candidates[i]), stream.receivers.north());
-        let rows = (1..).zip(places).map(|(number, place)| self.row(number, place, north)).collect();
+        let north = stream.receivers.north();
+        let row = |(number, place): (u64, &ModulePlace)| self.row(number, place, &candidates[place.candidate], north);
+        let rows = (1..).zip(&best).map(row).collect();
         let about = stream.about(archives, place);
         Records { columns: columns(), rows }.write(&self.output, &about)?;
         Ok(PlacesSummary { places: best.len() as u64, receivers: candidates.len() as u64 })
@@ -136,13 +137,14 @@ impl PlacesRequest {
         Ok(candidates)
     }
 
-    fn row(&self, number: u64, place: &PlaceCandidate, north: North) -> Vec<Cell> {
+    /// Returns the row of a place, whose middle lies above a receiver.
+    fn row(&self, number: u64, place: &ModulePlace, receiver: &PlaceCandidate, north: North) -> Vec<Cell> {
         let [width, height] = self.module_m;
-        let at = place.position + place.normal * self.clearance_m;
+        let at = place.middle + place.normal * self.clearance_m;
         let (tilt, azimuth) = tilt_and_azimuth(north.to_true(place.normal));
         let sums = [place.kwh_m2, place.kwh_m2 * width * height, place.sky_view];
         let numbers = [at.x, at.y, at.z, tilt, azimuth].into_iter().chain(sums);
-        let texts = [&place.receiver, &place.face, &place.building];
+        let texts = [&receiver.receiver, &receiver.face, &receiver.building];
         [Cell::Text(format!("best{number}"))]
             .into_iter()
             .chain(numbers.map(Cell::from))

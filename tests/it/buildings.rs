@@ -170,11 +170,12 @@ fn wrong_thresholds_and_archives_are_refused() {
     }
 }
 
-/// The five best places of 1 x 1 m on the roofs of the block are receivers whose sums `replay`
-/// gives, the highest first, and the fifth is above 90 % of the brightest. 1,000 places of 9 x 9 m
-/// are not found, which is warned of. `pv` reads the table. 3 wrong inputs are refused.
+/// The five best places of 1 x 1 m on the roofs of the block have sums between those that `replay`
+/// gives to roofs, the highest first but for 0.1 %, and the fifth is above 90 % of the brightest;
+/// they lie 0.2 m above the plane of their receiver. 1,000 places of 9 x 9 m are not found, which
+/// is warned of. `pv` reads the table. 3 wrong inputs are refused.
 #[test]
-fn places_are_those_of_the_brightest_receivers() {
+fn places_are_on_the_brightest_roofs() {
     let folder = block();
     let asked = format!("places site.helio --weather {} --grid-north", golden().display());
     let done = folder.run(&format!("{asked} --best 5 --module 1x1 --clearance 0.2 -o p.csv"));
@@ -192,15 +193,16 @@ fn places_are_those_of_the_brightest_receivers() {
     let mut before = f64::INFINITY;
     for place in &places {
         let (sum, receiver) = (number(&place["total_kwh_m2"]), roofs[place["receiver"].as_str()]);
-        assert!((sum - sums[place["receiver"].as_str()]).abs() < 2e-3 && sum <= before, "{place:?}");
-        for (axis, along) in [("x", "nx"), ("y", "ny"), ("z", "nz")] {
-            let expected = number(&receiver[axis]) + 0.2 * number(&receiver[along]);
-            assert!((number(&place[axis]) - expected).abs() < 2e-3, "{axis}: {place:?}");
-        }
+        assert!(sum <= 1.001 * before, "{place:?}");
+        let axes = [("x", "nx"), ("y", "ny"), ("z", "nz")];
+        let above =
+            axes.map(|(axis, along)| (number(&place[axis]) - number(&receiver[axis])) * number(&receiver[along]));
+        // A plane holds receivers that are up to 5 cm off it.
+        assert!((above.iter().sum::<f64>() - 0.2).abs() < 0.06, "{above:?}: {place:?}");
         before = sum;
     }
     let brightest = roofs.keys().map(|id| sums[id]).fold(0.0, f64::max);
-    assert!(before > 0.9 * brightest, "{before} of {brightest}");
+    assert!(before > 0.9 * brightest && before <= brightest + 1e-3, "{before} of {brightest}");
 
     let done = folder.run(&format!("{asked} --best 1000 --module 9x9"));
     assert!(stderr(&done).contains("found instead of 1000") && done.status.code() == Some(0), "{}", stderr(&done));
@@ -217,5 +219,27 @@ fn places_are_those_of_the_brightest_receivers() {
         ("--on ground", "argument unknown --on ground"),
     ] {
         folder.fails(&format!("{asked} {wrong}"), expected);
+    }
+}
+
+/// A roof of 12 x 5.49 m carries 30 modules of 1.1 x 1.8 m in three rows, whatever the spacing of
+/// its receivers.
+#[test]
+fn rows_of_modules_fill_a_roof() {
+    let folder = Folder::new();
+    folder.write("s.obj", "v 0 0 5\nv 12 0 5\nv 12 4.5 8.15\nv 0 4.5 8.15\nusemtl roof\nf 1 2 3 4\n");
+    for spacing in ["50cm", "2m"] {
+        let run = |words: String| {
+            let output = folder.run(&words);
+            assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+            output
+        };
+        run(format!("receivers s.obj --on roof --spacing {spacing} -o r.csv"));
+        run("build s.obj -r r.csv --latitude 52 --longitude 5 --quality draft --fresh -o s.helio".into());
+        let done = run(format!("places s.helio --weather {} --best 99 -o -", golden().display()));
+        let places = table(&stdout(&done));
+        assert_eq!(places.len(), 30, "{spacing}");
+        let heights: std::collections::BTreeSet<&str> = places.iter().map(|place| place["z"].as_str()).collect();
+        assert_eq!(heights.len(), 3, "{heights:?}");
     }
 }

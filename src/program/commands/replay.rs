@@ -78,7 +78,11 @@ pub fn places(args: &Places, about: Provenance) -> Result<Outcome> {
         let site = args.site.open(&SelectionRequest::default(), about, resources.observer)?;
         site.places(&args.year(), &args.request, resources)
     })?;
-    remark_aside(format!("{} chosen among {}\n", counted(done.places, "place"), counted(done.receivers, "receiver")));
+    remark_aside(format!(
+        "{} on surfaces with {}\n",
+        counted(done.places, "place"),
+        counted(done.receivers, "receiver")
+    ));
     Ok(Outcome::Fine)
 }
 
