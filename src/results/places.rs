@@ -87,7 +87,7 @@ impl PlacesRequest {
             let hint = "build it with receivers that cover a scene, or choose other surfaces with {on}";
             return Err(Error::input(place, None, what, hint));
         }
-        let best = best_places(&candidates, self.module_m, self.best);
+        let best = best_places(&candidates, self.module_m, self.best)?;
         if best.len() < self.best {
             stream.resources.observer.warn(message!(
                 "{} of {} x {} m found instead of {}: no more fit",

@@ -132,6 +132,10 @@ impl<'a> DayColumns<'a> {
         };
         let quantity = |(array, number): (usize, &Number)| {
             let (name, words, measure) = number.described(self.is_glare, self.plan.names_years);
+            let words = match (number, self.asked) {
+                (Number::Value, RowSubject::Rules(rules)) if rules.len() == 1 => rules[0].rule.measure.words(),
+                _ => words,
+            };
             // A table of rules in percent and in minutes has no common unit.
             let is_of_rule = matches!(self.asked, RowSubject::Rules(_));
             let measure = if measure == Measure::Number && is_time && is_of_rule { Measure::Minutes } else { measure };

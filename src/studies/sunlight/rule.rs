@@ -131,6 +131,17 @@ impl RuleMeasure {
         matches!(self, RuleMeasure::ProbablePercent | RuleMeasure::VscPercent)
     }
 
+    /// Returns what is measured, for titles.
+    pub fn words(self) -> &'static str {
+        match self {
+            RuleMeasure::Minutes => "possible sun",
+            RuleMeasure::LongestSpell => "longest spell of possible sun",
+            RuleMeasure::ProbablePercent => "probable sunlight hours",
+            RuleMeasure::VscPercent => "vertical sky component",
+            RuleMeasure::GlareMinutes => "sun in mirrors",
+        }
+    }
+
     /// Returns true if the measure is of the sun in mirrors, not of the sun itself.
     pub fn is_of_mirrors(self) -> bool {
         self == RuleMeasure::GlareMinutes

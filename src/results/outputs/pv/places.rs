@@ -10,8 +10,10 @@ use std::collections::HashMap;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
+use heliotile_core::error::{Error, Result};
 use heliotile_core::hemisphere::Frame;
 use heliotile_core::site::patch::Patch;
+use heliotile_core::text::message;
 
 /// Receiver on a surface that may carry modules.
 #[derive(Clone, Debug)]
@@ -67,6 +69,9 @@ const SQUARE_M: f64 = 2.0;
 /// smaller differences are noise.
 const STEPS_OF_LIGHT: f64 = 1000.0;
 
+/// Most places that are packed: each takes some 100 bytes.
+const MOST_PLACES: u64 = 10_000_000;
+
 /// Plane with its patches.
 struct Plane {
     frame: Frame,
@@ -78,16 +83,25 @@ struct Plane {
 }
 
 /// Returns the `count` best places of modules of `size` m, width and height: the most light first,
-/// and row by row where it is equal.
-pub fn best_places(candidates: &[PlaceCandidate], size: [f64; 2], count: usize) -> Vec<ModulePlace> {
+/// and row by row where it is equal. Fails if the surfaces may hold more than [`MOST_PLACES`].
+pub fn best_places(candidates: &[PlaceCandidate], size: [f64; 2], count: usize) -> Result<Vec<ModulePlace>> {
     let size = DVec2::from(size);
     let planes = planes(candidates);
+    let room = |plane: &Plane| {
+        let [low, high] = plane.bounds();
+        ((high - low) / size).max(DVec2::ZERO).element_product()
+    };
+    let value = planes.iter().map(room).sum::<f64>() as u64;
+    if value > MOST_PLACES {
+        let what = message!("the number of places on the chosen surfaces (a larger {{module}} has fewer)");
+        return Err(Error::Limit { what, value, max: MOST_PLACES });
+    }
     let mut found: Vec<ModulePlace> = planes.par_iter().flat_map_iter(|plane| plane.packed(size, candidates)).collect();
     let most = found.iter().map(|place| place.kwh_m2).fold(f64::MIN_POSITIVE, f64::max);
     let step = |place: &ModulePlace| (place.kwh_m2 / most * STEPS_OF_LIGHT).round();
     found.sort_by(|a, b| step(b).total_cmp(&step(a)));
     found.truncate(count);
-    found
+    Ok(found)
 }
 
 /// Returns the planes of all candidates.
@@ -144,6 +158,11 @@ impl Plane {
         plane
     }
 
+    /// Returns the lowest and the highest coordinates of the patches.
+    fn bounds(&self) -> [DVec2; 2] {
+        bounds(self.polygons.iter().flat_map(|(_, corners)| corners).copied())
+    }
+
     fn flat(&self, p: DVec3) -> DVec2 {
         let from = p - self.origin;
         DVec2::new(self.frame.u.dot(from), self.frame.v.dot(from))
@@ -151,7 +170,7 @@ impl Plane {
 
     /// Returns the modules of the packing that holds most of them, row by row from below.
     fn packed(&self, size: DVec2, candidates: &[PlaceCandidate]) -> Vec<ModulePlace> {
-        let [low, high] = bounds(self.polygons.iter().flat_map(|(_, corners)| corners).copied());
+        let [low, high] = self.bounds();
         let firsts = (0..).map(|step| f64::from(step) * ROW_STEP_M).take_while(|first| *first < size.y);
         let mut best: Vec<DVec2> = Vec::new();
         for first in firsts {
@@ -268,17 +287,19 @@ mod tests {
 
     /// On 6 x 4 m, 12 modules of 1 x 2 m fit in two rows, the brightest first, and 10 of 1.1 x 1.8
     /// m. Two modules of 3 x 3 m fit, none of 7 x 1 m; no two places of 1.5 x 1.3 m overlap, and
-    /// their light is the mean of the squares below them.
+    /// their light is the mean of the squares below them. Modules of 1 mm are too many.
     #[test]
     fn modules_are_packed_in_rows() {
         let all = roof(6);
-        let count = |size| best_places(&all, size, 99).len();
+        let packed = |size, count| best_places(&all, size, count).expect("few places");
+        let count = |size| packed(size, 99).len();
         let sizes = [[1.0, 2.0], [1.1, 1.8], [3.0, 3.0], [7.0, 1.0]];
         assert_eq!(sizes.map(count), [12, 10, 2, 0]);
-        let best = best_places(&all, [1.0, 2.0], 3);
+        let best = packed([1.0, 2.0], 3);
         let brightest = all.iter().map(|one| one.kwh_m2).fold(0.0, f64::max);
         assert_eq!(best.iter().map(|place| place.kwh_m2).collect::<Vec<_>>(), [brightest, brightest, brightest - 10.0]);
-        let few = best_places(&all, [1.5, 1.3], 99);
+        assert!(best_places(&all, [0.001, 0.001], 3).is_err());
+        let few = packed([1.5, 1.3], 99);
         assert_eq!(few.len(), 12);
         let Frame { u, v, .. } = Frame::new(all[0].normal);
         for (i, j) in (0..few.len()).flat_map(|i| (0..i).map(move |j| (i, j))) {
@@ -302,7 +323,7 @@ mod tests {
             let [a, b, c, d] = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)].map(|(x, y)| corner(x, y));
             one.patch = Patch::of_triangles(DVec3::ZERO, DVec3::Z, &[[a, b, c], [a, c, d]]);
         }
-        assert_eq!(best_places(&all, [1.0, 1.0], 99).len(), 12);
+        assert_eq!(best_places(&all, [1.0, 1.0], 99).expect("few places").len(), 12);
     }
 
     /// Two places of 1.2 x 1 m reach over the middle column of three in each of four rows; with a
@@ -310,12 +331,13 @@ mod tests {
     #[test]
     fn no_module_reaches_over_a_gap() {
         let mut all = roof(3);
-        assert_eq!(best_places(&all, [1.2, 1.0], 99).len(), 8);
+        let count = |all: &[PlaceCandidate], size| best_places(all, size, 99).expect("few places").len();
+        assert_eq!(count(&all, [1.2, 1.0]), 8);
         let u = Frame::new(all[0].normal).u;
         all[4..].iter_mut().for_each(|candidate| candidate.position += u * 0.3);
         all[8..].iter_mut().for_each(|candidate| candidate.position += u * 0.3);
-        assert!(best_places(&all, [1.2, 1.0], 99).is_empty());
+        assert_eq!(count(&all, [1.2, 1.0]), 0);
         all.iter_mut().for_each(|candidate| candidate.patch = Patch::default());
-        assert!(best_places(&all, [0.1, 0.1], 99).is_empty());
+        assert_eq!(count(&all, [0.1, 0.1]), 0);
     }
 }
