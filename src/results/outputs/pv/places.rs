@@ -83,7 +83,7 @@ struct Plane {
 }
 
 /// Returns the `count` best places of modules of `size` m, width and height: the most light first,
-/// and row by row where it is equal. Fails if the surfaces may hold more than [`MOST_PLACES`].
+/// and row by row where it is equal. Fails if the surfaces may hold more than ten million.
 pub fn best_places(candidates: &[PlaceCandidate], size: [f64; 2], count: usize) -> Result<Vec<ModulePlace>> {
     let size = DVec2::from(size);
     let planes = planes(candidates);
