@@ -14,7 +14,7 @@ use crate::outputs::tables::bin_labels::BinLabels;
 const PERCENTILES: [(&str, f64); 3] = [("P90", 0.1), ("P50", 0.5), ("P10", 0.9)];
 
 /// Least number of complete years, and the least that give ends which are not mere extremes.
-const LEAST_YEARS: usize = 3;
+const MIN_YEARS: usize = 3;
 const ENOUGH_YEARS: usize = 10;
 
 /// Share of the hours of the longest year that a complete year has at least: 29 February and lost
@@ -39,10 +39,10 @@ impl Percentiles {
         let longest = hours.iter().copied().fold(0.0, f64::max);
         let years: Vec<usize> = (0..hours.len()).filter(|year| hours[*year] >= COMPLETE * longest).collect();
         let (count, file) = (years.len(), series.source.display());
-        if count < LEAST_YEARS {
+        if count < MIN_YEARS {
             let what = message!("{file} has {}", counted(count as u64, "complete year"));
             let hint = format!(
-                "give a file of at least {LEAST_YEARS}, better {ENOUGH_YEARS} years, such as an hourly series of PVGIS; a typical year is one"
+                "give a file of at least {MIN_YEARS}, better {ENOUGH_YEARS} years, such as an hourly series of PVGIS; a typical year is one"
             );
             return Err(Error::argument("percentiles", what, hint).because(Problem::Lacks("years")));
         }

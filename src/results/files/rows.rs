@@ -281,10 +281,8 @@ pub fn write_rows<'s>(
     if request.positions {
         rows = rows.with_positions();
     }
-    let percentiles = match request.percentiles {
-        true => Some(Percentiles::new(stream.series, stream.resources.observer)?),
-        false => None,
-    };
+    let percentiles = request.percentiles.then(|| Percentiles::new(stream.series, stream.resources.observer));
+    let percentiles = percentiles.transpose()?;
     if percentiles.is_some() {
         rows = rows.with_labels(Percentiles::labels());
     }

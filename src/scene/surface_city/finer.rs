@@ -5,7 +5,7 @@ use glam::DVec2;
 
 use crate::surface_city::floor::Moved;
 use crate::surface_city::lattice::{Lattice, Spot};
-use crate::surface_city::layers::{Layer, Layers, check_size, crowns_of, nearest};
+use crate::surface_city::layers::{Layer, Layers, check_size, crowns_of, nearest, sampled};
 use crate::surface_city::outlines::OUTSIDE;
 use crate::terrain::raster::Grid;
 use heliotile_core::error::Result;
@@ -52,13 +52,7 @@ impl Site {
         let grid = raster.grid;
         check_size(crowns.file, &grid)?;
         let cells = Lattice::filled(grid.columns, grid.rows, f32::NAN);
-        let base = trunk_zone.map(|zone| {
-            let mut base = cells.like(f32::NAN);
-            for [column, row] in cells.spots() {
-                base.set([column, row], nearest(&zone.raster, raster.plan(column, row)));
-            }
-            base
-        });
+        let base = trunk_zone.map(|zone| sampled(&cells, &zone.raster, &raster, nearest));
         let fine = Layers {
             grid,
             surface: cells.like(f32::NAN),

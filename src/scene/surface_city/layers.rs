@@ -58,13 +58,8 @@ impl Layers {
         for spot in cells.spots() {
             surface.set(spot, dsm.raster.height(spot[0], spot[1]));
         }
-        let sampled = |layer: &Option<Layer>, sample: fn(&Raster, DVec2) -> f32| {
-            let layer = layer.as_ref()?;
-            let mut values = cells.like(f32::NAN);
-            for spot in cells.spots() {
-                values.set(spot, sample(&layer.raster, dsm.raster.plan(spot[0], spot[1])));
-            }
-            Some(values)
+        let sampled = |layer: &Option<Layer>, sample: Sample| {
+            layer.as_ref().map(|layer| sampled(&cells, &layer.raster, &dsm.raster, sample))
         };
         let base = sampled(&with.trunk_zone, nearest);
         let crown = sampled(&with.canopy, nearest).map(|heights| crowns_of(&cells, |spot| heights.at(spot)));
@@ -103,6 +98,18 @@ impl Layers {
     pub(super) fn cell_m(&self) -> f64 {
         self.grid.step.max_element()
     }
+}
+
+/// Way to read a raster at a place.
+type Sample = fn(&Raster, DVec2) -> f32;
+
+/// Returns the values of a raster at the middles of the cells of another one.
+pub(super) fn sampled(cells: &Lattice<f32>, raster: &Raster, of_cells: &Raster, sample: Sample) -> Lattice<f32> {
+    let mut values = cells.like(f32::NAN);
+    for [column, row] in cells.spots() {
+        values.set([column, row], sample(raster, of_cells.plan(column, row)));
+    }
+    values
 }
 
 /// Returns the heights of crowns above the ground on a grid of cells: 0 for a height that is

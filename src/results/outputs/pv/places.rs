@@ -70,7 +70,7 @@ const SQUARE_M: f64 = 2.0;
 const STEPS_OF_LIGHT: f64 = 1000.0;
 
 /// Most places that are packed: each takes some 100 bytes.
-const MOST_PLACES: u64 = 10_000_000;
+const MAX_PLACES: u64 = 10_000_000;
 
 /// Plane with its patches.
 struct Plane {
@@ -92,9 +92,9 @@ pub fn best_places(candidates: &[PlaceCandidate], size: [f64; 2], count: usize) 
         ((high - low) / size).max(DVec2::ZERO).element_product()
     };
     let value = planes.iter().map(room).sum::<f64>() as u64;
-    if value > MOST_PLACES {
+    if value > MAX_PLACES {
         let what = message!("the number of places on the chosen surfaces (a larger {{module}} has fewer)");
-        return Err(Error::Limit { what, value, max: MOST_PLACES });
+        return Err(Error::Limit { what, value, max: MAX_PLACES });
     }
     let mut found: Vec<ModulePlace> = planes.par_iter().flat_map_iter(|plane| plane.packed(size, candidates)).collect();
     let most = found.iter().map(|place| place.kwh_m2).fold(f64::MIN_POSITIVE, f64::max);

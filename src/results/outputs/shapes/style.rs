@@ -39,7 +39,10 @@ fn may_write(path: &Path) -> bool {
 
 /// Returns the style of a column by its swatches.
 fn style(column: &str, swatches: &[Swatch]) -> String {
-    let kind = if swatches.iter().any(|one| one.to.is_some()) { "graduatedSymbol" } else { "categorizedSymbol" };
+    let (kind, group) = match swatches.iter().any(|one| one.to.is_some()) {
+        true => ("graduatedSymbol", "ranges"),
+        false => ("categorizedSymbol", "categories"),
+    };
     let entry = |(number, one): (usize, &Swatch)| {
         let (from, label) = (one.from, escaped(&one.label));
         match one.to {
@@ -61,10 +64,7 @@ fn style(column: &str, swatches: &[Swatch]) -> String {
              <Option name=\"outline_width\" type=\"QString\" value=\"{LINE_MM}\"/></Option></layer></symbol>\n"
         )
     };
-    let (group, entries): (_, String) = (
-        if kind == "graduatedSymbol" { "ranges" } else { "categories" },
-        swatches.iter().enumerate().map(entry).collect(),
-    );
+    let entries: String = swatches.iter().enumerate().map(entry).collect();
     let symbols: String = swatches.iter().enumerate().map(symbol).collect();
     let attribute = escaped(column);
     format!(
