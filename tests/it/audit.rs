@@ -25,7 +25,9 @@ use crate::scenes::{build, fine, many, mirror_town, plan, site, tiles};
 #[test]
 fn mirrors_and_glass_agree_with_the_reference() {
     let scene = mirror_town();
-    let (prepared, built) = (PreparedScene::new(&scene).expect("a tree"), site(&scene, &many(), &fine()));
+    // Of five neighbours two, so that all heights and tilts stay.
+    let some: Vec<_> = many().into_iter().enumerate().filter(|(i, _)| i % 5 < 2).map(|(_, one)| one).collect();
+    let (prepared, built) = (PreparedScene::new(&scene).expect("a tree"), site(&scene, &some, &fine()));
     let conditions = ErrorConditions::Spread.some(64);
     let archive = Archive::open(&built.path).expect("an archive");
     let audited = audit(&AuditInputs {
@@ -36,7 +38,7 @@ fn mirrors_and_glass_agree_with_the_reference() {
         sky: SkyModel::Perez,
         samples: 60,
         time: None,
-        paths: 4096,
+        paths: 1024,
         seed: 1,
         memory: MemoryBudget::DEFAULT,
         storage: &TempFiles::new(std::env::temp_dir()),
