@@ -21,13 +21,14 @@ use rayon::prelude::*;
 
 use crate::scenes::{Site, canyon, receiver, scene, site, sun, tilted, v};
 
-/// Builds two receivers in a street, with the coarsest textures.
+/// Builds two receivers in a short street, with the coarsest textures and cells: every byte of the
+/// archive is one more to change.
 fn small() -> Site {
     let settings = BuildSettings {
         sky_base: 8,
         sky_fine: 16,
         hit: 8,
-        cell_floor_m: 8.0,
+        cell_floor_m: 32.0,
         probe: 8,
         probe_hits: 2,
         closed_m: 32.0,
@@ -37,15 +38,28 @@ fn small() -> Site {
     };
     let receivers =
         [receiver("a", v(0.1, 0.2, 0.0), tilted(0.0, 0.0)), receiver("b", v(4.9, 3.0, 4.0), tilted(90.0, 90.0))];
-    site(&scene(&canyon(10.0, 14.0, 60.0), &[0.5, 0.5]), &receivers, &settings)
+    site(&scene(&canyon(10.0, 14.0, 20.0), &[0.5, 0.5]), &receivers, &settings)
+}
+
+/// Reads the root, the directory, the manifest and all blocks: all that answers can depend on.
+fn content(archive: &Archive) -> Result<[u8; 32], Error> {
+    let mut all = blake3::Hasher::new();
+    all.update(&archive.root());
+    all.update(format!("{:?} {:?}", archive.entries(), archive.manifest()).as_bytes());
+    for entry in archive.entries() {
+        all.update(archive.block(entry.kind, entry.tile)?.bytes());
+    }
+    Ok(*all.finalize().as_bytes())
 }
 
 /// Reads all blocks and replays in two ways; returns the results as bits.
 fn ask(path: &Path) -> Result<Vec<u32>, Error> {
     let archive = Archive::open_with(path, Access::Read)?;
-    for entry in archive.entries() {
-        archive.block(entry.kind, entry.tile)?;
-    }
+    content(&archive)?;
+    answers(&archive)
+}
+
+fn answers(archive: &Archive) -> Result<Vec<u32>, Error> {
     let mut answers = Vec::new();
     for depth in [MaxBounces::All, MaxBounces::Count(2)] {
         let settings = ReplaySettings {
@@ -56,7 +70,7 @@ fn ask(path: &Path) -> Result<Vec<u32>, Error> {
             memory: MemoryBudget::new(1 << 26),
             storage: &InMemory,
         };
-        let replay = Replay::new(&OpenSite::open(&archive)?, &[sun(90.0, 60.0, 800.0, 100.0)], settings)?;
+        let replay = Replay::new(&OpenSite::open(archive)?, &[sun(90.0, 60.0, 800.0, 100.0)], settings)?;
         for (ids, values) in replay.run(0..replay.tiles())? {
             for row in 0..ids.len() {
                 answers.extend(Component::ALL.map(|component| values.row(component, row)[0].to_bits()));
@@ -66,8 +80,9 @@ fn ask(path: &Path) -> Result<Vec<u32>, Error> {
     Ok(answers)
 }
 
-/// Replays many changed copies of a file: (errors, same answers). Panics on another answer, or on
-/// an error that names no part.
+/// Reads many changed copies of a file: (errors, same answers). Panics on another answer, or on an
+/// error that names no part. Of the copies whose content is that of the original, one in 17 is
+/// replayed too; copies with any other content are.
 fn ask_all(
     site: &Site,
     changes: &[(usize, u8)],
@@ -75,13 +90,19 @@ fn ask_all(
 ) -> (usize, usize) {
     let original = fs::read(&site.path).expect("an archive");
     let expected = ask(&site.path).expect("answers");
+    let whole = content(&Archive::open_with(&site.path, Access::Read).expect("an archive")).expect("blocks");
+    let answered = |path: &Path, number: usize| {
+        let archive = Archive::open_with(path, Access::Read)?;
+        let is_same = content(&archive)? == whole && !number.is_multiple_of(17);
+        if is_same { Ok(expected.clone()) } else { answers(&archive) }
+    };
     let folder = tempfile::tempdir().expect("a folder");
     let (errors, same) = (AtomicUsize::new(0), AtomicUsize::new(0));
-    changes.par_iter().for_each_init(
+    changes.par_iter().enumerate().for_each_init(
         || folder.path().join(format!("{:?}.helio", std::thread::current().id())),
-        |path: &mut PathBuf, &case| {
+        |path: &mut PathBuf, (number, &case)| {
             fs::write(&*path, change(&original, case)).expect("written");
-            match ask(path) {
+            match answered(path, number) {
                 Ok(answers) => {
                     assert!(answers == expected, "{case:?} changed the answers");
                     same.fetch_add(1, Ordering::Relaxed);
