@@ -307,7 +307,7 @@ fn room_at(corner: DVec3) {
     triangles.extend([quad(corner, y, z, 0), quad(corner + x, z, y, 0)].concat());
     triangles.extend([quad(corner, z, x, 1), quad(corner + y, x, z, 1)].concat());
     triangles.extend(quad(corner + z, y, x / 2.0, 1));
-    let n = 8;
+    let n = 5;
     let mut receivers = Vec::new();
     let mut grid = |name: &str, at: DVec3, u: DVec3, w: DVec3, normal: DVec3| {
         for i in 0..n * n {
