@@ -7,7 +7,7 @@ use std::process::Command;
 
 use glam::DVec3;
 use heliotile_builder::pipeline::{BuildReport, ReusedArchives, ReusedCounts};
-use heliotile_builder::settings::BuildSettings;
+use heliotile_builder::settings::{BuildSettings, Quality, Rungs};
 use heliotile_core::archive::Archive;
 use heliotile_core::hemisphere::{mix, unit};
 use heliotile_core::site::material::{Class, Glass, Material};
@@ -21,7 +21,7 @@ use crate::scenes::*;
 
 /// Returns settings that are cheap to trace.
 pub fn coarse() -> BuildSettings {
-    BuildSettings { sky_base: 32, sky_fine: 128, hit: 16, probe: 16, ..BuildSettings::default() }
+    BuildSettings { sky_base: 32, sky_fine: 128, ..Rungs::new(Quality::Draft).settings() }
 }
 
 /// A site that can be edited.
