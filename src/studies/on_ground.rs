@@ -15,6 +15,7 @@ use heliotile_core::observer::Observer;
 use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::site::patch::Patch;
 use heliotile_core::text::counted;
+use heliotile_files::input;
 use heliotile_requests::{Form, Parse, Wrong};
 use heliotile_results::outputs::receivers::{ReceiverRow, ReceiverTable};
 use heliotile_scene::Scene;
@@ -49,7 +50,7 @@ pub struct WithinRequest {
 /// Areas that get receivers.
 #[derive(Clone, Debug, PartialEq)]
 pub enum AreaSource {
-    /// CSV file of their corners: columns `x` and `y`, and optionally `area`.
+    /// File of polygons, or CSV file of their corners: columns `x` and `y`, and optionally `area`.
     File(PathBuf),
     /// A box in plan.
     Box(Bounds),
@@ -89,6 +90,8 @@ const STANDS_M: f64 = 0.01;
 struct Ground<'a> {
     siting: Siting<'a>,
     highest_m: f64,
+    /// EPSG number of the scene's coordinates, if they have one.
+    system: Option<u32>,
 }
 
 impl Ground<'_> {
@@ -98,7 +101,8 @@ impl Ground<'_> {
         scene.report.tell(observer);
         let prepared = PreparedScene::new(&scene)?;
         let mesh = &scene.mesh;
-        take(&Ground { siting: Siting::new(&prepared), highest_m: mesh.origin.z + mesh.bounds().1.z })
+        let system = scene.place.and_then(|place| place.epsg);
+        take(&Ground { siting: Siting::new(&prepared), highest_m: mesh.origin.z + mesh.bounds().1.z, system })
     }
 
     /// Returns the height of the ground at a place, whatever stands on it.
@@ -166,15 +170,24 @@ impl WithinRequest {
     /// ground, are left out and counted in a warning. Errors: numbers out of range, areas that
     /// cannot be read, no receiver at all.
     pub fn points(&self, site: &SceneFiles, observer: &dyn Observer) -> Result<Vec<GroundPoint>> {
-        let areas = match &self.areas {
-            AreaSource::File(file) => read_areas(file)?,
-            AreaSource::Box(Bounds { low, high }) => {
-                vec![GroundArea::of_box(BOX.to_owned(), low.truncate(), high.truncate())]
-            }
-        };
-        let count = areas.iter().map(|area| area.most_places(self.spacing_m)).sum();
-        check_distances([("spacing", self.spacing_m), ("offset", self.above_m)], count)?;
-        let (points, [built, bare]) = Ground::of(site, observer, |ground| Ok(self.on(ground, &areas)))?;
+        if let AreaSource::File(file) = &self.areas {
+            input::check(file)?;
+        }
+        let (points, [built, bare]) = Ground::of(site, observer, |ground| {
+            let areas = match &self.areas {
+                AreaSource::File(file) => {
+                    let (areas, said) = read_areas(file, ground.system)?;
+                    said.into_iter().for_each(|said| observer.warn(said));
+                    areas
+                }
+                AreaSource::Box(Bounds { low, high }) => {
+                    vec![GroundArea::of_box(BOX.to_owned(), low.truncate(), high.truncate())]
+                }
+            };
+            let count = areas.iter().map(|area| area.most_places(self.spacing_m)).sum();
+            check_distances([("spacing", self.spacing_m), ("offset", self.above_m)], count)?;
+            Ok(self.on(ground, &areas))
+        })?;
         for (count, why) in [(built, "inside a building"), (bare, "without ground below them")] {
             if count > 0 {
                 observer.warn(format!("{} left out: {why}", counted(count, "place")));

@@ -36,8 +36,9 @@ use crate::geocentric::{is_geocentric, to_local};
 use crate::geometry::Geometry;
 use crate::terrain::raster::Raster;
 use crate::text::{excerpt, utf8};
-use features::FeatureFormat;
+use features::{FeatureFormat, Outline};
 use heliotile_core::error::{Error, Result};
+use heliotile_core::text::Message;
 use heliotile_files::input;
 use heliotile_files::input::NamedBytes;
 pub(super) use read_options::{ReadOptions, stem};
@@ -230,6 +231,30 @@ fn finished(mut geometry: Geometry) -> Result<Content> {
     // Names of some CityJSON faces depend on their tilt, which is final only now.
     cityjson::name_by_tilt(&mut geometry);
     Ok(Content::Polygons(Box::new(geometry)))
+}
+
+/// Reads the areas of a file of features, in metres of the plane system `scene`, and sentences for
+/// the user.
+pub(super) fn read_areas(path: &Path, scene: Option<u32>) -> Result<(Vec<Outline>, Vec<Message>)> {
+    input::check(path)?;
+    let ending = input::ending(path);
+    let kind = match ENDINGS.iter().find(|(known, _)| *known == ending).map(|(_, format)| *format) {
+        Some(Format::Features(kind)) if kind != FeatureFormat::TreeCsv => kind,
+        Some(Format::Json) => FeatureFormat::GeoJson,
+        _ => {
+            return Err(Error::Unsupported {
+                what: format!("the areas {}", path.display()).into(),
+                found: format!("a name that ends with .{}", excerpt(ending.as_bytes())).into(),
+                supported: "polygons as .geojson, .gpkg, .shp or .parquet, or their corners as .csv".into(),
+            });
+        }
+    };
+    let bytes = match kind {
+        FeatureFormat::GeoPackage => Vec::new(),
+        FeatureFormat::GeoJson => utf8(input::read(path)?),
+        _ => input::read(path)?,
+    };
+    features::areas(kind, bytes, path, scene)
 }
 
 fn unknown_ending(path: &Path, ending: &str) -> Error {

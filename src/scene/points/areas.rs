@@ -1,58 +1,72 @@
-//! Areas on the ground: gardens, squares, yards. In: a CSV file of their corners, or a box. Out:
-//! areas, and places in them at equal distances.
+//! Areas on the ground: gardens, squares, yards. In: a file of polygons, a CSV file of corners, or a
+//! box. Out: areas, and places in them at equal distances.
 
 use std::path::Path;
 
 use glam::DVec2;
 
 use super::lines::{TravelCorner, named_corners};
+use crate::formats;
 use crate::plan::{is_within, sides, signed_area_m2};
 use heliotile_core::error::{Error, Result};
+use heliotile_core::text::Message;
+use heliotile_files::input;
 
 /// An area in plan.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GroundArea {
-    /// Name of the area: the cell of the column `area`, or the name of the file.
+    /// Name of the area: the cell of the column `area`, the attribute `area` or `name` of a polygon,
+    /// or the name of the file.
     pub name: String,
-    /// Corners of its outline, input coordinates, metres.
-    pub corners: Vec<DVec2>,
+    /// Outlines and holes, input coordinates, metres.
+    rings: Vec<Vec<DVec2>>,
 }
 
 /// Columns of a file of areas, as messages describe them.
 const HINT: &str = "give columns x and y in metres, a row for each corner; area (a name) is optional";
 
-/// Reads areas from a CSV file with columns `x,y` and optional `area`, in any order. Each row is a
-/// corner of an outline; consecutive rows of one name are an area. Fails if a cell is not a number
-/// or an area has no extent.
-pub fn read_areas(file: &Path) -> Result<Vec<GroundArea>> {
-    let in_plan = |corners: Vec<TravelCorner>| corners.iter().map(|corner| corner.at).collect();
-    let found = named_corners(file, &["area"], HINT)?;
-    let areas: Vec<GroundArea> =
-        found.into_iter().map(|(name, corners)| GroundArea { name, corners: in_plan(corners) }).collect();
+/// Reads areas: polygons of a file of features, in metres of the plane system `scene` (an EPSG
+/// number), or corners of a CSV file. Also returns sentences for the user. Fails if the file cannot
+/// be read or an area has no extent.
+pub fn read_areas(file: &Path, scene: Option<u32>) -> Result<(Vec<GroundArea>, Vec<Message>)> {
+    let (areas, said) = if input::ending(file) == "csv" {
+        (of_corners(file)?, Vec::new())
+    } else {
+        let (outlines, said) = formats::read_areas(file, scene)?;
+        (outlines.into_iter().map(|outline| GroundArea { name: outline.name, rings: outline.rings }).collect(), said)
+    };
     match areas.iter().find(|area| area.area_m2() <= 0.0) {
         Some(area) => {
             let what = format!("area `{}` has no extent", area.name);
             Err(Error::input(file, None, what, "give three corners or more, in their order around the area"))
         }
-        None => Ok(areas),
+        None => Ok((areas, said)),
     }
+}
+
+/// Reads areas from a CSV file with columns `x,y` and optional `area`, in any order. Each row is a
+/// corner of an outline; consecutive rows of one name are an area.
+fn of_corners(file: &Path) -> Result<Vec<GroundArea>> {
+    let in_plan = |corners: Vec<TravelCorner>| vec![corners.iter().map(|corner| corner.at).collect()];
+    let found = named_corners(file, &["area"], HINT)?.into_iter();
+    Ok(found.map(|(name, corners)| GroundArea { name, rings: in_plan(corners) }).collect())
 }
 
 impl GroundArea {
     /// Returns the rectangle between two corners.
     pub fn of_box(name: String, low: DVec2, high: DVec2) -> Self {
         let corners = vec![low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)];
-        GroundArea { name, corners }
+        GroundArea { name, rings: vec![corners] }
     }
 
-    /// Returns the area in plan, m2.
+    /// Returns the area in plan, m2. Holes run the other way than outlines.
     pub fn area_m2(&self) -> f64 {
-        signed_area_m2(&self.corners).abs()
+        self.rings.iter().map(|ring| signed_area_m2(ring)).sum::<f64>().abs()
     }
 
     /// Returns the lowest and the highest coordinates of the corners.
     fn bounds(&self) -> [DVec2; 2] {
-        let all = self.corners.iter().copied();
+        let all = self.rings.iter().flatten().copied();
         [all.clone().fold(DVec2::INFINITY, DVec2::min), all.fold(DVec2::NEG_INFINITY, DVec2::max)]
     }
 
@@ -71,7 +85,7 @@ impl GroundArea {
         let rows = 0..count.y as usize;
         let row = |row: usize| (0..count.x as usize).map(move |column| DVec2::new(column as f64, row as f64));
         let all = rows.flat_map(row).map(|step| first + step * spacing_m);
-        all.filter(|place| is_within(sides(&self.corners), *place)).collect()
+        all.filter(|place| is_within(self.rings.iter().flat_map(|ring| sides(ring)), *place)).collect()
     }
 }
 
@@ -82,7 +96,7 @@ mod tests {
 
     fn read(text: &str) -> Result<Vec<GroundArea>> {
         let folder = TestFolder::new();
-        read_areas(&folder.write("garden.csv", text))
+        read_areas(&folder.write("garden.csv", text), None).map(|read| read.0)
     }
 
     /// An L of 4 x 4 m without its north-east quarter has 12 places at 1 m, 3 at 2 m, and 12 m2; a
@@ -100,6 +114,49 @@ mod tests {
         assert_eq!((own[0].name.as_str(), own[0].area_m2()), ("garden", 0.5));
         let (low, high) = (DVec2::ZERO, DVec2::new(4.0, 2.0));
         assert_eq!(GroundArea::of_box("box".into(), low, high).places(1.0).len(), 8);
+    }
+
+    /// Of a GeoJSON file in the system of the scene, a square of 4 m with a hole of 2 m and a square
+    /// of 2 m beside it have 16 places at 1 m, and a point is left out with a sentence. Two areas
+    /// of one name get two names. Degrees without a system of the scene, another system, and a file
+    /// without polygons are refused.
+    #[test]
+    fn polygons_of_features_are_areas() {
+        let folder = TestFolder::new();
+        let ring = |x: f64, y: f64, side: f64| {
+            format!("[[{x},{y}],[{},{y}],[{},{}],[{x},{}],[{x},{y}]]", x + side, x + side, y + side, y + side)
+        };
+        let feature = |geometry: &str| {
+            format!(r#"{{"type":"Feature","properties":{{"Name":"court"}},"geometry":{{"type":{geometry}}}}}"#)
+        };
+        let crs =
+            |epsg: u32| format!(r#""crs":{{"type":"name","properties":{{"name":"urn:ogc:def:crs:EPSG::{epsg}"}}}},"#);
+        let write = |crs: String, features: &[String]| {
+            let text = format!(r#"{{"type":"FeatureCollection",{crs}"features":[{}]}}"#, features.join(","));
+            folder.write("areas.geojson", &text)
+        };
+        let (x, y) = (80_000.0, 455_000.0);
+        let two = [ring(x, y, 4.0), ring(x + 1.0, y + 1.0, 2.0), ring(x + 6.0, y, 2.0)];
+        let multi = feature(&format!(r#""MultiPolygon","coordinates":[[{},{}],[{}]]"#, two[0], two[1], two[2]));
+        let point = feature(r#""Point","coordinates":[1,2]"#);
+        let file = write(crs(28992), &[multi.clone(), point.clone(), multi]);
+        let (areas, said) = read_areas(&file, Some(28992)).expect("areas");
+        assert_eq!((areas[0].area_m2(), areas[0].places(1.0).len()), (16.0, 16));
+        assert_eq!([&areas[0].name, &areas[1].name], ["court", "court-2"]);
+        assert!(said.iter().any(|said| said.contains("1 feature left out")), "{said:?}");
+        let refused = |file: &Path, scene: Option<u32>, says: &str| {
+            let error = read_areas(file, scene).expect_err(says).to_string();
+            assert!(error.contains(says), "{error}");
+        };
+        refused(&file, Some(25832), "EPSG:28992");
+        refused(&write(crs(28992), &[point]), Some(28992), "no areas");
+        let degrees = feature(&format!(r#""Polygon","coordinates":[{}]"#, ring(4.3, 52.0, 0.001)));
+        let file = write(String::new(), &[degrees]);
+        refused(&file, None, "the scene states no system");
+        // 0.001 degrees are 111.3 m to the north and 68.6 m to the east.
+        let (areas, _) = read_areas(&file, Some(28992)).expect("areas");
+        assert!((areas[0].area_m2() - 7637.0).abs() < 20.0, "{}", areas[0].area_m2());
+        refused(&folder.write("areas.kml", ""), None, "ends with .kml");
     }
 
     /// A file without a column of numbers, and areas of two corners or on one line, are refused

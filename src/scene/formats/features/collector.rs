@@ -14,7 +14,7 @@ use super::feature::{Feature, FeaturePolygon};
 use super::hstore;
 use super::system::{FeatureSystem, Placing};
 use crate::attributes::{flat, text_of};
-use crate::coordinate::{MAX_COORDINATE_M, is_position};
+use crate::coordinate::MAX_COORDINATE_M;
 use crate::footprint::{Footprint, StatedHeights};
 use crate::footprints::region::{is_crossed, oriented, repaired, united};
 use crate::footprints::stated::{Heights, NO_HEIGHT, Stated};
@@ -248,13 +248,7 @@ impl<'a> Collector<'a> {
         let all = all.chain(self.geometry.trees.iter().map(|tree| tree.at));
         let bounds = all.fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |[low, high], p| [low.min(p), high.max(p)]);
         let placing = Placing::new(self.file, &system, bounds, self.asked.system)?;
-        let place = |at: DVec2| {
-            placing.to_metres.place(at).filter(|p| is_position(p.extend(0.0))).ok_or_else(|| {
-                let what =
-                    format!("the corner at {:.5} {:.5} lies outside of the coordinate system of the scene", at.x, at.y);
-                Error::input(self.file, None, what, "correct the corner, or give another system as {crs}")
-            })
-        };
+        let place = |at: DVec2| placing.place(self.file, at);
         for vertex in &mut self.geometry.vertices {
             *vertex = place(vertex.truncate())?.extend(vertex.z) + 0.0;
         }

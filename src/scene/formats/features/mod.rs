@@ -11,6 +11,7 @@
 //! | `shapes` | polygons of well-known binary, as the crate `geozero` reads it |
 //! | `shape_index` | which shape of a shapefile belongs to which row of its table |
 //! | `hstore` | OpenStreetMap tags in one column |
+//! | `outlines` | areas from features |
 //! | `layers` | which layers of a file are read |
 //! | `geojson`, `shapefile`, `geopackage`, `geoparquet`, `tree_csv` | one reader each |
 //!
@@ -25,6 +26,7 @@ mod geopackage;
 mod geoparquet;
 mod hstore;
 mod layers;
+mod outlines;
 mod shape_index;
 mod shapefile;
 mod shapes;
@@ -36,13 +38,17 @@ mod tree_csv;
 use std::path::Path;
 
 use crate::formats::ReadOptions;
+use crate::formats::features::feature::TakeFeature;
+use crate::formats::features::outlines::OutlineCollector;
 use crate::geometry::Geometry;
 use heliotile_core::error::Result;
+use heliotile_core::text::Message;
 use heliotile_files::input;
 
 pub(super) use collector::Collector;
 pub(super) use feature::Feature;
 pub(super) use geojson::is_geojson;
+pub(crate) use outlines::Outline;
 pub(super) use system::FeatureSystem;
 
 /// Formats of features.
@@ -60,15 +66,25 @@ pub(super) enum FeatureFormat {
 /// which SQLite opens itself.
 pub(super) fn parse(format: FeatureFormat, bytes: Vec<u8>, file: &Path, asked: &ReadOptions) -> Result<Geometry> {
     let mut collector = Collector::new(file, asked);
-    let mut take = |feature| collector.add(feature);
-    let system = match format {
-        FeatureFormat::GeoJson => geojson::read(&bytes, file, &mut take),
-        FeatureFormat::GeoPackage => geopackage::read(file, asked, &mut take),
-        FeatureFormat::GeoParquet => geoparquet::read(bytes, file, &mut take),
-        FeatureFormat::Shapefile => shapefile::read(bytes, file, &mut take),
-        FeatureFormat::TreeCsv => tree_csv::read(&bytes, file, &mut take),
-    }?;
+    let system = each_feature(format, bytes, file, asked, &mut |feature| collector.add(feature))?;
     collector.finish(system)
+}
+
+/// Hands the features of a file to `take`, and returns their coordinate system.
+fn each_feature(
+    format: FeatureFormat,
+    bytes: Vec<u8>,
+    file: &Path,
+    asked: &ReadOptions,
+    take: &mut TakeFeature,
+) -> Result<FeatureSystem> {
+    match format {
+        FeatureFormat::GeoJson => geojson::read(&bytes, file, take),
+        FeatureFormat::GeoPackage => geopackage::read(file, asked, take),
+        FeatureFormat::GeoParquet => geoparquet::read(bytes, file, take),
+        FeatureFormat::Shapefile => shapefile::read(bytes, file, take),
+        FeatureFormat::TreeCsv => tree_csv::read(&bytes, file, take),
+    }
 }
 
 /// Reads the shapefile in a zip; `None` if the zip holds none.
@@ -77,4 +93,17 @@ pub(super) fn zipped_shapefile(file: &Path, asked: &ReadOptions) -> Result<Optio
     let mut collector = Collector::new(file, asked);
     let system = shapefile::read_parts(&parts, file, &mut |feature| collector.add(feature))?;
     collector.finish(system).map(Some)
+}
+
+/// Reads the areas of a file of features, in metres of the system `scene`, and sentences for the
+/// user. `bytes` are as for [`parse`].
+pub(super) fn areas(
+    format: FeatureFormat,
+    bytes: Vec<u8>,
+    file: &Path,
+    scene: Option<u32>,
+) -> Result<(Vec<Outline>, Vec<Message>)> {
+    let mut collector = OutlineCollector::new(file);
+    let system = each_feature(format, bytes, file, &ReadOptions::default(), &mut |feature| collector.add(feature))?;
+    collector.finish(system, scene)
 }

@@ -7,6 +7,7 @@ use glam::DVec2;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::text::{Message, message};
 
+use crate::coordinate::is_position;
 use crate::formats::wkt::TextSystem;
 use crate::placing::axis_order::{Degrees, Swap};
 use crate::placing::from_degrees::FromDegrees;
@@ -179,9 +180,20 @@ impl Placing {
     }
 }
 
+impl Placing {
+    /// Returns the position in plan of a corner of the file, metres. Fails outside of the system.
+    pub(in crate::formats) fn place(&self, file: &Path, at: DVec2) -> Result<DVec2> {
+        self.to_metres.place(at).filter(|p| is_position(p.extend(0.0))).ok_or_else(|| {
+            let what =
+                format!("the corner at {:.5} {:.5} lies outside of the coordinate system of the scene", at.x, at.y);
+            Error::input(file, None, what, "correct the corner, or give another system as {crs}")
+        })
+    }
+}
+
 impl ToMetres {
     /// Returns a position in plan, metres; `None` where the system has no such point.
-    pub(in crate::formats) fn place(&self, at: DVec2) -> Option<DVec2> {
+    fn place(&self, at: DVec2) -> Option<DVec2> {
         match self {
             ToMetres::Scaled(unit_m) => Some(at * *unit_m),
             ToMetres::Degrees { system, latitude_first: false } => system.plane(at.y, at.x),
