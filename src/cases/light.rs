@@ -26,7 +26,8 @@ use crate::site::Site;
 #[request(exactly_one("weather", "conditions", "sun"))]
 pub struct UnderRequest {
     /// Weather file: EPW, TMY3, WEA, SURFRAD, CSV or JSON of a service (NSRDB, PVGIS, Open-Meteo,
-    /// Solcast), or any CSV or JSON with `time` and some of ghi, dni, dhi; also packed (.gz, .zip).
+    /// Solcast), or any CSV or JSON with `time` and some of ghi, dni, dhi; also packed (.gz, .zip);
+    /// or a folder of EPW files, one for each year.
     #[field(short = 'w', input = Weather)]
     pub weather: Option<PathBuf>,
     /// Table of suns and skies in place of weather, CSV:

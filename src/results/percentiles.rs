@@ -42,7 +42,7 @@ impl Percentiles {
         if count < MIN_YEARS {
             let what = message!("{file} has {}", counted(count as u64, "complete year"));
             let hint = format!(
-                "give a file of at least {MIN_YEARS}, better {ENOUGH_YEARS} years, such as an hourly series of PVGIS; a typical year is one"
+                "give a file of at least {MIN_YEARS}, better {ENOUGH_YEARS} years, such as an hourly series of PVGIS, or a folder of EPW files; a typical year is one"
             );
             return Err(Error::argument("percentiles", what, hint).because(Problem::Lacks("years")));
         }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::archives::Archives;
 use super::bands::{BandChoice, BandList};
-use super::doubts::{dated_rows, no_longwave, of_archive};
+use super::doubts::{dated_rows, left_out, no_longwave};
 use super::own_skies::{SkyChoice, SkyFiles};
 use super::resources::Resources;
 use crate::outputs::periods::Every;
@@ -182,7 +182,8 @@ pub struct ReplayRequest {
     #[field(flatten)]
     pub light: LightRequest,
     /// Weather file: EPW, TMY3, WEA, SURFRAD, CSV or JSON of a service (NSRDB, PVGIS, Open-Meteo,
-    /// Solcast), or any CSV or JSON with `time` and some of ghi, dni, dhi; also packed (.gz, .zip).
+    /// Solcast), or any CSV or JSON with `time` and some of ghi, dni, dhi; also packed (.gz, .zip);
+    /// or a folder of EPW files, one for each year.
     #[field(short = 'w', input = Weather, required)]
     pub weather: PathBuf,
     /// Facts about the file that it does not state itself. Air is read if the columns need it,
@@ -305,7 +306,7 @@ impl ReplayRequest {
     /// band.
     pub fn tell_misfits(&self, archives: Archives, weather: &Weather, observer: &dyn Observer) -> Result<()> {
         let apart = archives.manifest().place.and_then(|place| far_apart(&place, weather));
-        let odd = of_archive(archives.first(), Some(&self.weather));
+        let odd = left_out(archives.first(), Some(&self.weather));
         apart.iter().for_each(|apart| observer.warn(apart));
         odd.iter().for_each(|text| observer.warn(text));
         if self.light.is_by_humidity() && weather.air.iter().all(|air| air.dew_point_c.is_none()) {

@@ -9,6 +9,7 @@ use heliotile_core::observer::{Observer, Silent};
 use heliotile_core::replay::schedule_csv::ReadFile;
 use heliotile_core::weather::options::WeatherOptions;
 use heliotile_files::input;
+use heliotile_files::input::weather::weather_files;
 use heliotile_files::spill::SystemTemp;
 use heliotile_weather::formats::weather_file::{ScenePlace, parse_weather_as};
 use heliotile_weather::series::Weather;
@@ -35,10 +36,17 @@ impl Resources<'static> {
 }
 
 impl<'a> Resources<'a> {
-    /// Reads a weather file, and warns of doubtful values in it. `place` is the place of the scene,
-    /// which is used if the file states none.
+    /// Reads a weather file, or the files in a folder as one series, and warns of doubtful values.
+    /// `place` is the place of the scene, which is used if a file states none.
     pub fn weather(&self, path: &Path, options: &WeatherOptions, place: ScenePlace) -> Result<Weather> {
-        let weather = parse_weather_as(path, &(self.files)(path)?, options, place)?;
+        let mut read = |path: &Path| parse_weather_as(path, &(self.files)(path)?, options, &mut *place);
+        let weather = match path.is_dir() {
+            true => {
+                let files = weather_files(path)?.into_iter();
+                Weather::joined(files.map(|file| Ok((file.clone(), read(&file)?))).collect::<Result<_>>()?)?
+            }
+            false => read(path)?,
+        };
         weather.report.warnings.iter().for_each(|text| self.observer.warn(text));
         Ok(weather)
     }

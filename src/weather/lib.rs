@@ -9,6 +9,7 @@ pub mod distance;
 mod erbs;
 pub mod findings;
 pub mod formats;
+mod joined;
 mod judging;
 pub mod monthly;
 pub mod series;
