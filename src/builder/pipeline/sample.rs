@@ -1,7 +1,6 @@
 //! Sample of the receivers, traced before the build. In: a site's tracer, receivers. Out: what they
 //! see, and the cost of tracing them.
 
-use std::collections::BTreeSet;
 use std::time::Instant;
 
 use rayon::prelude::*;
@@ -19,7 +18,7 @@ use heliotile_core::layers::cells::{Cell, Cells};
 use heliotile_core::layers::mirror::CellPath;
 use heliotile_core::light::mirrors::left;
 use heliotile_core::light::radiosity::{each_ray, surround};
-use heliotile_core::site::cells::CellKey;
+use heliotile_core::site::cells::{CellKey, CellSet, sort_cells};
 use heliotile_core::site::receiver::Receiver;
 
 /// Largest number of receivers whose hits are traced. If there are more, bounds assume the worst
@@ -58,6 +57,13 @@ pub(super) struct TracedCells {
     /// Largest share of a hemisphere that other surfaces fill, weighted by their reflectance.
     pub reflecting: f64,
     pub see_mirrors: bool,
+}
+
+/// Returns cells in order.
+fn sorted(cells: CellSet) -> Vec<CellKey> {
+    let mut cells: Vec<CellKey> = cells.into_iter().collect();
+    sort_cells(&mut cells);
+    cells
 }
 
 impl SiteTracer<'_> {
@@ -123,7 +129,7 @@ impl SiteTracer<'_> {
 
         let n = self.settings.hit;
         let mut reflecting = 0.0_f64;
-        let mut cells = [BTreeSet::new(), BTreeSet::new()];
+        let mut cells = [CellSet::default(), CellSet::default()];
         for (i, (view, leaves, keys, paths, _)) in hits.iter().enumerate() {
             let weight = |texel: usize| ray_direction(texel, n, view.seed()).z * 2.0 / (n * n) as f64;
             let direct = keys.iter().enumerate().filter_map(|(t, key)| Some((t, key.as_ref()?, 1.0)));
@@ -145,7 +151,7 @@ impl SiteTracer<'_> {
         let of_windows = windows.iter().map(|w| w.1 as f64).sum::<f64>() / windows.len().max(1) as f64;
         let of_paths = hits.iter().map(|h| h.4 as f64).sum::<f64>() / hits.len().max(1) as f64;
         let counts = [cells[0].len(), cells[1].len()];
-        let [_, cells] = cells;
+        let [_, cells] = cells.map(sorted);
         Sample {
             receivers: receivers.len(),
             all,
@@ -159,7 +165,7 @@ impl SiteTracer<'_> {
             reflecting,
             sees_mirrors: windows.iter().any(|w| w.0) || hits.iter().any(|h| !h.3.is_empty()),
             cells: counts,
-            traced: self.look_at_cells(&cells.into_iter().collect::<Vec<_>>()),
+            traced: self.look_at_cells(&cells),
         }
     }
 
@@ -184,7 +190,7 @@ impl SiteTracer<'_> {
             direct + cell.mirrors.paths.iter().map(path).sum::<f64>()
         };
         let reflecting = traced.iter().map(share).fold(0.0, f64::max);
-        let next: BTreeSet<CellKey> = traced.iter().flat_map(|(cell, _)| cell.reached()).collect();
+        let next = sorted(traced.iter().flat_map(|(cell, _)| cell.reached()).collect());
         let next: Vec<CellKey> = next.iter().copied().step_by(next.len().div_ceil(CELLS / 4).max(1)).collect();
         let texture = self.directions(CellKind::Bounces);
         let timed = Instant::now();

@@ -3,7 +3,7 @@
 
 use crate::layers::canopy::{Canopy, RayLists};
 use crate::layers::mirror::CellMirrors;
-use crate::site::cells::{CellKey, CellMap};
+use crate::site::cells::{CellKey, CellMap, sort_cells};
 
 /// Table of cells: the sky and the coarse cells that each cell sees.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -295,8 +295,7 @@ pub(super) fn numbered(keys: impl Iterator<Item = CellKey>) -> (Vec<CellKey>, Ce
     // Most keys come many times, so duplicates go before the sort.
     let mut numbers: CellMap<u32> = keys.map(|key| (key, 0)).collect();
     let mut sorted: Vec<CellKey> = numbers.keys().copied().collect();
-    // Comparing keys costs more than making their bytes once.
-    sorted.sort_by_cached_key(|key| key.to_bytes());
+    sort_cells(&mut sorted);
     for (key, number) in sorted.iter().zip(0..) {
         numbers.insert(*key, number);
     }

@@ -32,7 +32,7 @@ use crate::light::tables::Tables;
 use crate::light::tile_view::TileView;
 use crate::memory::{MemoryBudget, Use};
 use crate::opened::{CellSource, SiteSettings};
-use crate::site::cells::{CellKey, CellMap, CellSet};
+use crate::site::cells::{CellKey, CellMap, CellSet, sort_cells};
 
 /// Largest difference of radiosity from an interpolation with half of the nodes, as a share. The
 /// error with all nodes is about its square.
@@ -139,7 +139,7 @@ impl ResponseSolver {
     /// not fit the memory.
     fn group(&self, tables: &Tables, tiles: &[TileView]) -> Result<Option<Group<'_>>> {
         let mut keys: Vec<CellKey> = tiles.iter().flat_map(TileView::reached).collect();
-        keys.sort_unstable();
+        sort_cells(&mut keys);
         keys.dedup();
         let by_tiles = |key: &CellKey| {
             let tile = tiles.iter().find(|tile| tile.reached().any(|reached| reached == *key));
@@ -153,7 +153,7 @@ impl ResponseSolver {
         let mut wave: Vec<CellKey> = if first_only { Vec::new() } else { probes.reached().collect() };
         while !wave.is_empty() {
             wave.retain(|key| known.insert(*key) && !self.rules.closes(key));
-            wave.sort_unstable();
+            sort_cells(&mut wave);
             let bytes = (known.len() * self.rules.width()) as u64 * 4;
             if tiles.len() > 1 && bytes > self.memory {
                 return Ok(None);
