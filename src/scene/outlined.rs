@@ -14,7 +14,7 @@ use heliotile_core::text::{Message, counted, message};
 use heliotile_place::reference::Reference;
 
 /// Least height of a roof above the ground: trees below one stand in a house, metres.
-const LEAST_ROOF_M: f64 = 1.0;
+const MIN_ROOF_M: f64 = 1.0;
 
 /// A file of footprints or trees, in scene coordinates.
 pub(crate) struct Outlined {
@@ -81,7 +81,7 @@ fn plant_all(outlines: &mut [Outlined], ground: &GroundBelow, mut houses: Vec<[D
         for tree in std::mem::take(&mut geometry.trees) {
             let known = ground.height(tree.at);
             let ground_m = known.or(lowest).unwrap_or(part.shift().z);
-            if roofs.height(tree.at).is_some_and(|roof_m| roof_m > ground_m + LEAST_ROOF_M) {
+            if roofs.height(tree.at).is_some_and(|roof_m| roof_m > ground_m + MIN_ROOF_M) {
                 geometry.leave_out("as trees that stand in a house, or below a roof");
                 continue;
             }

@@ -348,7 +348,7 @@ impl<'a> SeenLeaves<'a> {
             Some(_) => (-USUALLY_STOPPED * length_of(count)).exp(),
             None => BEHIND_ONE.powi(i32::from(count)),
         };
-        share * before.iter().map(behind).product::<f64>().max(LEAST_BEHIND)
+        share * before.iter().map(behind).product::<f64>().max(MIN_BEHIND)
     }
 
     /// Returns all leaves, or draws about `most` of them evenly by the light they may send
@@ -385,7 +385,7 @@ const CODES_OF_CELL: u16 = 8;
 /// Factor by which each leaf in front is likely to dim the light of a leaf, and the smallest one of
 /// all leaves in front: a replay with fewer leaves must not lose the light of all leaves behind.
 const BEHIND_ONE: f64 = 0.5;
-const LEAST_BEHIND: f64 = 1.0 / 16.0;
+const MIN_BEHIND: f64 = 1.0 / 16.0;
 
 impl Viewpoint {
     /// Returns the rays of an n x n hit texture with their lengths: all of them, or only those that

@@ -20,7 +20,7 @@ use heliotile_core::site::crossing::Crossing;
 
 /// Largest difference of the light left along neighbouring rays, at the usual density of leaves,
 /// between which lengths are interpolated.
-const MOST_APART: f64 = 0.04;
+const MAX_APART: f64 = 0.04;
 
 /// Materials that a ray crosses, ascending, with the number of crossings, or the code of the length
 /// inside.
@@ -89,7 +89,7 @@ impl Canopies<'_> {
             let codes = rays.iter().map(|counts| of(counts, material));
             let [least, most] = codes.clone().fold([u16::MAX, 0], |[a, b], code| [a.min(code), b.max(code)]);
             let left = |code: u16| (-USUALLY_STOPPED * length_of(code)).exp();
-            if left(least) - left(most) > MOST_APART || least == 0 {
+            if left(least) - left(most) > MAX_APART || least == 0 {
                 return None;
             }
             // What the layer predicts: it takes next to no bytes.

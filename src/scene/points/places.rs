@@ -47,7 +47,7 @@ pub struct Rating {
 
 impl Rating {
     /// Largest rated power, kW: more is a mix-up of watts and kilowatts.
-    pub const MOST_KW: f64 = 1e6;
+    pub const MAX_KW: f64 = 1e6;
 }
 
 /// Longest name of a point, bytes: files are named after it.
@@ -94,7 +94,7 @@ fn rated(rows: &CsvRows, column: Found) -> Result<Option<f64>> {
         return Ok(None);
     }
     match number(rows, column)? {
-        kwp if (0.0..=Rating::MOST_KW).contains(&kwp) => Ok(Some(kwp)),
+        kwp if (0.0..=Rating::MAX_KW).contains(&kwp) => Ok(Some(kwp)),
         _ => {
             let (text, why) = (rows.cell(column.place), "not from 0 to 1000000");
             Err(rows.cell_error(column.name, text, why, "give the rated power, kW"))

@@ -236,7 +236,7 @@ fn checked(entry: Entry) -> std::result::Result<RowsOfModules, String> {
         samples: entry.samples,
         ground_step_m: entry.ground.map(|step| within("ground", step, [0.01, 1000.0])).transpose()?,
         rating: Rating {
-            kwp: entry.kwp.map(|kwp| within("kwp", kwp, [0.0, Rating::MOST_KW])).transpose()?,
+            kwp: entry.kwp.map(|kwp| within("kwp", kwp, [0.0, Rating::MAX_KW])).transpose()?,
             string: entry.string,
         },
     })

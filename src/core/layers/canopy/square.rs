@@ -15,7 +15,7 @@ const PATCH: usize = 8;
 
 /// Fewest bytes for each coded patch of 256 texels. So a reader allocates at most 64 bytes for each
 /// byte that it reads.
-pub const LEAST_OF_PATCH: usize = 8;
+pub const MIN_OF_PATCH: usize = 8;
 
 /// Differences of neighbours at which the next context begins: for even texels, for what lies
 /// between them, and for texels between them that are not as predicted.
@@ -45,7 +45,7 @@ pub fn encode(codes: &[u16]) -> Option<Vec<u8>> {
     let mut coder = EncodedValues(Encoder::new(CONTEXTS));
     square.visit(&patches, &mut coder)?;
     let bytes = [patches.to_bytes(), coder.0.finish()].concat();
-    (bytes.len() >= LEAST_OF_PATCH * patches.count()).then_some(bytes)
+    (bytes.len() >= MIN_OF_PATCH * patches.count()).then_some(bytes)
 }
 
 /// Reads the bytes of [`encode`] for a square of `rays` codes. Returns `None` if the bytes are
@@ -54,7 +54,7 @@ pub fn decode(bytes: &[u8], rays: usize) -> Option<Vec<u16>> {
     let side = side_of(rays)?;
     let (mask, stream) = bytes.split_at_checked(Patches::bytes(side / 2))?;
     let patches = Patches::from_bytes(mask, side / 2)?;
-    if bytes.len() < LEAST_OF_PATCH * patches.count() {
+    if bytes.len() < MIN_OF_PATCH * patches.count() {
         return None;
     }
     let (tables, reader) = rans::open(CONTEXTS, stream)?;
