@@ -52,6 +52,12 @@ struct BlockTexel {
 /// Largest side of a texture that is traced whole; larger ones are refined. A base of 16 loses
 /// features: refined probes of 32 have 1.3 times the error in a dense block, and save a twentieth
 /// of the time.
+///
+/// Skylines were tried, too: in each of 64 azimuths the altitude of the edge, from one point of the
+/// cell, by coarse rays and bisection. On four drawn sites at `standard` with `probe=32` they save
+/// 30 % of all rays and no time, because their short lists of rays from many points do not fill
+/// packets. The error of reflected sunlight is 1.10 to 1.26 times that of whole textures: a column
+/// sees the sky of one point, a whole texture that of 16.
 const LARGEST_WHOLE: usize = 32;
 
 /// Number of jitter patterns. A receiver sees some hundred probes, so their errors average out over
