@@ -218,8 +218,8 @@ pub mod text {
 pub mod tracing {
     pub use heliotile_archives::Workspace;
     pub use heliotile_builder::accuracy::conditions::ErrorConditions;
+    pub use heliotile_builder::planning::tables;
     pub use heliotile_builder::planning::tables::in_hours;
-    pub use heliotile_builder::planning::{PREVIEWS, tables};
     pub use heliotile_builder::trace::Tracer;
     pub use heliotile_builder::trace::canopy::in_hulls;
     pub use heliotile_builder::trace::placement::Placement;

@@ -15,4 +15,4 @@ pub mod transfer;
 mod workspace;
 pub mod writing;
 
-pub use workspace::{Workspace, complete};
+pub use workspace::Workspace;

@@ -13,7 +13,6 @@ use crate::listed::{PARTS, list};
 use crate::opened::Atlas;
 use crate::state::PartState;
 use crate::thumbnails::Thumbnails;
-use heliotile_archives::complete;
 use heliotile_core::archive::{Access, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::observer::Observer;
@@ -99,7 +98,6 @@ fn text(json: &Value) -> String {
 fn item(part: &ListedPart, path: &Path, atlas: &Atlas, name: &str) -> Result<(StacItem, String)> {
     let plan = &atlas.plan;
     let archive = open_archive(path, Access::Read)?;
-    complete(&archive)?;
     if let Some(planned) = plan.parts.iter().find(|planned| planned.name == part.name) {
         atlas.check_place(planned, &archive)?;
     }

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use heliotile_builder::planning::{AccuracyRequest, parse_negligible, parse_preview};
+use heliotile_builder::planning::{AccuracyRequest, parse_negligible};
 use heliotile_builder::settings::{EffectChoice, Share};
 use heliotile_builder::trace::canopy::in_hulls;
 use heliotile_builder::trace::placement::Placement;
@@ -88,11 +88,6 @@ pub struct Update {
     /// of the archive's own].
     #[field(metavar = "LENGTH", parse = parse_metres)]
     pub spacing_m: Option<f64>,
-    /// Keep light that the edits alter by less than this share of the light on open ground, on
-    /// average over the sky, such as 1%. The new archive is marked as a preview; the same command
-    /// without this option completes it.
-    #[field(metavar = "PERCENT", parse = parse_preview)]
-    pub preview_percent: Option<f64>,
     /// Discard an interrupted update at the output path and start again. Without this option an
     /// update with the same edits is resumed.
     #[field(neutral)]
@@ -133,8 +128,9 @@ pub struct Receivers {
     #[field(requires("along"))]
     pub both_ways: bool,
     /// Put level receivers on the ground within areas, such as gardens and squares, in place of
-    /// surfaces, --spacing apart and --offset above the ground: a CSV file of the corners of areas
-    /// with columns x and y, and optionally area (a name), or a box xmin,ymin,xmax,ymax.
+    /// surfaces, --spacing apart and --offset above the ground: polygons (.geojson, .gpkg, .shp,
+    /// .parquet), a CSV file of the corners of areas with columns x and y, and optionally area (a
+    /// name), or a box xmin,ymin,xmax,ymax.
     #[field(metavar = "FILE|BOX", conflicts("on", "types", "per_surface", "buried", "min_area", "along"), input = Any)]
     pub within: Option<AreaSource>,
 }
@@ -175,7 +171,6 @@ pub struct Build {
             "up",
             "effects",
             "negligible",
-            "preview",
             "weather",
             "no_scene",
             "error",
@@ -216,11 +211,6 @@ pub struct Build {
     /// without this option.
     #[field(python = "before", metavar = "BEFORE.helio", input = Archive)]
     pub from: Option<PathBuf>,
-    /// Keep light of --from that the change alters by less than this share of the light on open
-    /// ground, on average over the sky, such as 1%. The new archive is marked as a preview; the
-    /// same command without this option completes it.
-    #[field(metavar = "PERCENT", requires("from"), parse = parse_preview)]
-    pub preview_percent: Option<f64>,
     /// Leave the scene's triangles out of the archive, if they may not be passed on.
     #[field(python = "with_scene")]
     pub no_scene: bool,
@@ -251,7 +241,6 @@ impl Update {
             add: SceneRequest { files: self.add.clone(), ..self.scene.clone() },
             cover: CoverRequest { on: self.on.clone(), ..CoverRequest::default() },
             density: self.spacing_m.map(Density::Spacing),
-            preview_percent: self.preview_percent,
             fresh: self.fresh,
         }
     }

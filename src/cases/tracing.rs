@@ -102,7 +102,6 @@ impl Build {
             effects: self.effects,
             with_scene: !self.no_scene,
             from: self.from.as_deref(),
-            preview_percent: self.preview_percent,
             memory: self.memory,
             files: resources.files,
             ..SiteBuild::new(scene, receivers, &accuracy)

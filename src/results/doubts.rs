@@ -32,24 +32,12 @@ pub fn no_longwave(columns: &ComponentList) -> Result<()> {
 
 /// Returns a warning if the archive leaves out effects that are negligible under a weather other
 /// than `weather`.
-fn left_out(archive: &Archive, weather: Option<&Path>) -> Option<String> {
+pub fn left_out(archive: &Archive, weather: Option<&Path>) -> Option<String> {
     let known = archive.manifest().negligible.as_ref()?;
     let other = weather.and_then(Path::file_name).is_none_or(|name| *name != *known.weather);
     other.then(|| {
         format!("{} leaves out {known}; in this calculation they may contribute more", archive.path().display())
     })
-}
-
-/// Returns warnings about an archive that hold for any request: it is a preview, or it leaves out
-/// effects that are negligible under a weather other than `weather`.
-pub fn of_archive(archive: &Archive, weather: Option<&Path>) -> Vec<String> {
-    preview(archive).into_iter().chain(left_out(archive, weather)).collect()
-}
-
-/// Returns the warning that an archive is a preview, with what the preview states.
-pub fn preview(archive: &Archive) -> Option<String> {
-    let known = archive.manifest().preview.as_ref()?;
-    Some(format!("{} is a preview: {known}", archive.path().display()))
 }
 
 /// Returns a note about a query of an archive that states its ground's reflectance by month: the

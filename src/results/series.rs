@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::archives::Archives;
-use super::doubts::{mean_ground, of_archive};
+use super::doubts::{left_out, mean_ground};
 use super::own_skies::ConditionRows;
 use super::request::{ConditionSource, QueryRequest, ReplayRequest};
 use super::resources::Resources;
@@ -260,7 +260,7 @@ impl QueryRequest {
             ConditionSource::Rows(rows) => (rows.clone(), "conditions".to_owned()),
         };
         mean_ground(archives.first(), &self.light.changes)?.iter().for_each(tell);
-        of_archive(archives.first(), None).iter().for_each(|text| resources.observer.warn(text));
+        left_out(archives.first(), None).iter().for_each(|text| resources.observer.warn(text));
         self.light.tell_bands(archives, resources.observer)?;
         let called = match found.as_slice() {
             [only] => format!("{name}: {}", only.label),

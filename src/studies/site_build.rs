@@ -100,9 +100,6 @@ pub struct SiteBuild<'a> {
     pub with_scene: bool,
     /// Archive of the scene before it was changed: a path or an address.
     pub from: Option<&'a Path>,
-    /// Largest change, percent of the light on open ground, that is left untraced; the archive is
-    /// then a preview.
-    pub preview_percent: Option<f64>,
     /// Memory for all that a build holds besides the scene and its tree.
     pub memory: MemoryBudget,
     /// Function that reads the weather of an error target.
@@ -200,7 +197,6 @@ impl<'a> SiteBuild<'a> {
             share: Share::default(),
             with_scene: true,
             from: None,
-            preview_percent: None,
             memory: MemoryBudget::DEFAULT,
             files: &input::read,
         }
@@ -215,7 +211,6 @@ impl<'a> SiteBuild<'a> {
             with_scene: self.with_scene,
             from: before,
             files: self.files,
-            preview_percent: self.preview_percent,
         })
     }
 
@@ -398,9 +393,6 @@ impl SiteBuild<'_> {
         }
         if self.with_scene && !holds_objects(&archive, self.scene) {
             others.push("objects of the scene have other names than when site.helio was built".into());
-        }
-        if archive.manifest().preview.is_some() {
-            others.push("site.helio is a preview of a changed scene".into());
         }
         if archive.manifest().ground != self.scene.ground {
             others.push("the ground of the scene has changed since site.helio was built".into());

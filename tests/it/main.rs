@@ -46,7 +46,6 @@ mod physics;
 mod pictures;
 mod place;
 mod plan;
-mod previews;
 mod pv;
 mod pv_energy;
 mod pv_ground;

@@ -11,8 +11,7 @@ use heliotile_core::layers::canopy::Canopy;
 use heliotile_core::layers::cells::{Cells, cells_per_chunk};
 use heliotile_core::site::cells::CellKey;
 
-/// Chunks written so far. All but the last one hold [`Chunks::size`] cells; chunks of previews may
-/// hold fewer.
+/// Chunks written so far. All but the last one hold [`Chunks::size`] cells.
 pub struct Chunks {
     kind: CellKind,
     size: usize,
@@ -71,26 +70,6 @@ impl Chunks {
         blocks.into_iter().try_for_each(|block| writer.append(block))?;
         self.firsts.extend(chunk.keys.first());
         self.count += chunk.keys.len() as u64;
-        Ok(())
-    }
-
-    /// Writes the next chunk from encoded blocks, whatever their number was.
-    pub fn add_numbered(
-        &mut self,
-        first: CellKey,
-        cells: u64,
-        blocks: Vec<EncodedBlock>,
-        writer: &mut Writer,
-    ) -> Result<()> {
-        let number = self.next();
-        for mut block in blocks {
-            // Neither the checksum nor the content id depends on the number, so encoded bytes stay
-            // valid.
-            block.entry.tile = number;
-            writer.append(block)?;
-        }
-        self.firsts.push(first);
-        self.count += cells;
         Ok(())
     }
 

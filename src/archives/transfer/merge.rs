@@ -4,7 +4,6 @@
 use std::path::Path;
 
 use crate::Workspace;
-use crate::complete;
 use crate::transfer::compare::{differences, objects};
 use crate::transfer::digests::{AllLayers, Digests, cell_name, same_cell};
 use crate::transfer::output::{ArchiveAssembly, Assembled, unknown};
@@ -39,7 +38,6 @@ pub struct Merged {
 /// Writes the union of two archives. Archives of parts of a site give the same bytes as the build
 /// of the whole site.
 pub fn merge([a, b]: [&Archive; 2], path: &Path, workspace: &Workspace, observer: &dyn Observer) -> Result<Merged> {
-    [a, b].into_iter().try_for_each(complete)?;
     let (of_a, of_b) = (OpenSite::open(a)?, OpenSite::open(b)?);
     check_fit(a, b)?;
     let mut conflicts = Conflicts::default();

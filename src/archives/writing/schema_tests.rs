@@ -8,7 +8,6 @@ use heliotile_core::archive::accuracy::{Accuracy, GroupError, HoursError, TileEr
 use heliotile_core::archive::format;
 use heliotile_core::archive::format::{Entry, Slot, TileNumber};
 use heliotile_core::archive::negligible::Negligible;
-use heliotile_core::archive::preview::Preview;
 use heliotile_core::archive::{Archive, EncodedBlock, manifest};
 use heliotile_core::site::ground::MonthlyGround;
 use heliotile_core::site::place::Place;
@@ -180,7 +179,7 @@ fn follow(schema: &Value, value: &Value, at: &str) -> usize {
 }
 
 /// A real manifest holds only keys that the JSON Schema describes, all that it requires, and of its
-/// types. The schema requires every key but `accuracy`, `ground`, `negligible`, `place`, `preview`,
+/// types. The schema requires every key but `accuracy`, `ground`, `negligible`, `place`,
 /// `replay_only` and, further down, `left_out`.
 #[test]
 fn manifests_follow_the_json_schema() {
@@ -196,13 +195,12 @@ fn manifests_follow_the_json_schema() {
     });
     manifest.negligible =
         Some(Negligible { bound_percent: [("mirrors".to_string(), 0.5)].into(), ..Negligible::default() });
-    manifest.preview = Some(Preview { bound_percent: 1.0, kept_receivers: 70, ..Preview::default() });
     (manifest.settings.steps, manifest.settings.tracing, manifest.replay_only) = (12, 1, true);
     manifest.place = Some(Place { latitude_deg: 52.1, longitude_deg: 4.3, convergence_deg: -0.9, epsg: Some(28992) });
     manifest.ground = Some(MonthlyGround { material: "plane".into(), reflectance: [0.25; 12], snow_modifier: 1.5 });
     let value: Value = serde_json::from_slice(&manifest.to_json().unwrap()).unwrap();
     assert!(follow(&schema, &value, "manifest") > 66);
-    assert_eq!(schema["required"].as_array().unwrap().len(), schema["properties"].as_object().unwrap().len() - 6);
+    assert_eq!(schema["required"].as_array().unwrap().len(), schema["properties"].as_object().unwrap().len() - 5);
     for part in ["creator", "scene", "receivers", "settings", "counts"] {
         let part = &schema["properties"][part];
         let optional = usize::from(!part["properties"]["left_out"].is_null());

@@ -23,7 +23,7 @@ use heliotile_core::light::radiosity::surround;
 use heliotile_core::memory::Use;
 use heliotile_core::observer::Stage;
 use heliotile_core::opened::OpenSite;
-use heliotile_core::site::cells::{CellKey, CellSet, level_of};
+use heliotile_core::site::cells::{CellKey, CellSet, level_of, sort_cells};
 use heliotile_files::spill::{Sorter, damaged};
 
 /// Number of bounce cells traced at a time.
@@ -61,9 +61,6 @@ impl SiteTracer<'_> {
         writer: &mut Writer,
         rays: &mut RayCounts,
     ) -> Result<Written> {
-        if self.preview().is_some() {
-            return self.update_probes(keys, writer, rays);
-        }
         let texture = self.directions(CellKind::Probes);
         let progress = Stage::begin(self.observer, "probes", None);
         let mut chunks = self.chunks(CellKind::Probes);
@@ -166,9 +163,6 @@ impl SiteTracer<'_> {
 
     /// Traces and writes all bounce cells that can be reached from `start`: the closed system.
     pub fn write_bounces(&self, start: CellSet, writer: &mut Writer, rays: &mut RayCounts) -> Result<u64> {
-        if self.preview().is_some() {
-            return self.update_bounces(start, writer, rays);
-        }
         // The index is written after all chunks, so a resumed build holds all cells if it is there.
         if writer.has(format::INDEX, CellKind::Bounces.index()) {
             let index = tables::IndexTable::from_block(&writer.block(format::INDEX, CellKind::Bounces.index())?)?;
@@ -240,7 +234,7 @@ impl SiteTracer<'_> {
         let progress = Stage::begin(self.observer, "bounces", None);
         while !found.wave.is_empty() {
             let mut wave = std::mem::take(&mut found.wave);
-            wave.sort_unstable();
+            sort_cells(&mut wave);
             for part in wave.chunks(WAVE) {
                 let known = self.known_cells(CellKind::Bounces, part, &texture, self.looks(CellKind::Bounces));
                 let (cells, cast) = self.trace_missing(CellKind::Bounces, part, known, &texture);

@@ -2,7 +2,6 @@
 //! manifest, blocks of tables.
 
 use super::plan::Plan;
-use super::preview::PreviewState;
 use super::site_tracer::SiteTracer;
 use heliotile_archives::pack::COMPRESSION;
 use heliotile_core::archive::format::TileNumber;
@@ -92,7 +91,6 @@ impl SiteTracer<'_> {
             settings: self.settings.stated(),
             accuracy: plan.accuracy.clone(),
             negligible: plan.negligible.clone(),
-            preview: self.preview().map(PreviewState::stated),
             place: self.scene.place,
             ground: self.scene.ground.clone(),
             counts: manifest::CellCounts { probes: counts.probes, bounce_cells: counts.bounce_cells },

@@ -13,7 +13,6 @@ mod mirrors;
 mod output;
 mod plan;
 mod prepared;
-mod preview;
 mod previous_build;
 mod report;
 mod sample;
@@ -45,7 +44,6 @@ use heliotile_scene::Scene;
 use heliotile_scene::placing::plausible::far_receivers;
 use heliotile_scene::points::receivers::{ReceiverCsv, ReceiverRows};
 use layer_cache::LayerCache;
-use preview::PreviewState;
 use previous_build::PreviousBuild;
 use report::Clock;
 use site_tracer::SiteTracer;
@@ -161,9 +159,8 @@ impl Build<'_> {
         let facts = self.facts(settings, &output.path)?;
         let known = LayerCache::new(sources.earlier, &facts);
         let open = |archive| PreviousBuild::open(archive, self.scene, settings, self.observer);
-        let mut before = sources.before.map(open).transpose()?.flatten();
-        if let Some(before) = &mut before {
-            before.preview = plan.preview_percent.and_then(|percent| self.preview_within(percent, before, settings));
+        let before = sources.before.map(open).transpose()?.flatten();
+        if before.is_some() {
             clock.lap("compare");
         }
         let mut writer = output.writer(&Job {
@@ -178,7 +175,7 @@ impl Build<'_> {
         }
         let tracer = SiteTracer::new(self.scene, settings, self.workspace, self.observer, facts, known, before);
         let traced = trace(&tracer, plan, self.receivers, &mut writer, &mut clock);
-        if matches!(traced, Err(Error::Io { .. })) && tracer.preview().is_none() {
+        if matches!(traced, Err(Error::Io { .. })) {
             // If another file failed, such as a temporary one, the blocks written so far can be
             // kept.
             let _ = writer.checkpoint();
@@ -190,8 +187,7 @@ impl Build<'_> {
             let Traced { counts, rays, warnings, lost_in_mirrors, .. } = traced;
             let (bytes, root) = (summary.bytes, summary.root);
             let kept = tracer.before.as_ref().map(PreviousBuild::reused);
-            let preview = tracer.preview().map(PreviewState::stated);
-            Ok(BuildReport { counts, rays, seconds: clock.laps, bytes, root, warnings, lost_in_mirrors, kept, preview })
+            Ok(BuildReport { counts, rays, seconds: clock.laps, bytes, root, warnings, lost_in_mirrors, kept })
         };
         traced.and_then(finish).map_err(|error| output::kept(error, kept))
     }
@@ -246,7 +242,7 @@ fn trace(
     }
     let tiles = receivers.tile_count() as u32;
     let counts = BuildCounts { receivers: receivers.count() as u64, tiles, probes: probes.count, bounce_cells };
-    tracer.write_responses(tiles, &found.copied, writer, clock)?;
+    tracer.write_responses(tiles, writer, clock)?;
     if plan.with_scene {
         tracer.write_overview(receivers, writer, clock)?;
     }

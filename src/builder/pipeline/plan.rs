@@ -17,25 +17,20 @@ pub struct Plan {
     pub negligible: Option<Negligible>,
     /// True if the archive holds the scene's triangles, for viewers.
     pub with_scene: bool,
-    /// Bound of a preview of a changed scene, percent: layers that the change can alter by less are
-    /// kept, see [`Preview`](heliotile_core::archive::preview::Preview).
-    pub preview_percent: Option<f64>,
 }
 
 impl Plan {
     /// Creates a plan with the scene and without an estimate of the error.
     pub fn new(settings: BuildSettings) -> Self {
-        Plan { settings, accuracy: None, negligible: None, with_scene: true, preview_percent: None }
+        Plan { settings, accuracy: None, negligible: None, with_scene: true }
     }
 
     /// Returns the hash of what a build writes. A build with another plan cannot resume it.
     pub fn hash(&self) -> Result<[u8; 32]> {
         let settings = self.settings.hash()?;
-        let mut more = if self.with_scene { Vec::new() } else { b"without scene".to_vec() };
-        more.extend(self.preview_percent.into_iter().flat_map(f64::to_le_bytes));
-        Ok(match more.is_empty() {
+        Ok(match self.with_scene {
             true => settings,
-            false => *blake3::hash(&[&settings[..], &more].concat()).as_bytes(),
+            false => *blake3::hash(&[&settings[..], b"without scene"].concat()).as_bytes(),
         })
     }
 }

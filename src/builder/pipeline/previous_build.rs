@@ -10,7 +10,6 @@ use rayon::prelude::*;
 use super::layer_cache::{Earlier, KnownReceiver, whole_cells};
 use super::mirrors::around_cell;
 use super::prepared::PreparedScene;
-use super::preview::PreviewState;
 use super::report::ReusedCounts;
 use super::site_tracer::SiteTracer;
 use crate::held::{check_scene, held_scene};
@@ -23,7 +22,6 @@ use crate::trace::receiver::{HitTrace, SkyTrace};
 use crate::trace::sky_fans::SkyFans;
 use crate::trace::surroundings::{looks_around, may_cast, may_see};
 use crate::trace::viewpoint::Viewpoint;
-use heliotile_archives::complete;
 use heliotile_core::archive::Archive;
 use heliotile_core::archive::format::CellKind;
 use heliotile_core::error::Result;
@@ -37,7 +35,7 @@ use heliotile_core::text::counted;
 use heliotile_scene::change::SceneChange;
 
 /// Length of a mean of unit normals from which on the surface counts as plane.
-pub(super) const PLANE: f64 = 1.0 - 1e-6;
+const PLANE: f64 = 1.0 - 1e-6;
 
 /// Number of cells per triangle from which on it pays to find out which backs of triangles may have
 /// become lit or dark. With fewer cells, the search costs more than tracing the doubtful cells
@@ -53,12 +51,8 @@ pub(super) struct PreviousBuild<'a> {
     pub same_numbers: bool,
     /// True if all materials that remain have the same class.
     pub same_classes: bool,
-    /// True if all materials that remain reflect and transmit the same shares.
-    pub same_light: bool,
     /// True if canopies were added or removed.
     pub of_canopies: bool,
-    /// Layers that a preview keeps; `None` if the archive is to be complete.
-    pub preview: Option<PreviewState>,
     /// Change together with the triangles whose backs may have become lit or dark, which doubtful
     /// cells depend on. `None` if finding these would cost more than tracing the doubtful cells.
     in_doubt: Option<Change>,
@@ -88,7 +82,6 @@ impl<'a> PreviousBuild<'a> {
             useless(&format!("it was built with other settings ({})", differ.join("; ")));
             return Ok(None);
         }
-        complete(archive)?;
         let traced = held_scene(archive)?;
         let Some(found) = SceneChange::between(&traced, scene) else {
             useless("the scene has another size or centre, so its coordinates are stored in another frame");
@@ -129,22 +122,19 @@ impl<'a> PreviousBuild<'a> {
             let mirrors = ready.mirrors.triangles().map(|triangle| scene.mesh.triangle_points(triangle as usize));
             change = change.near_to(mirrors);
         }
-        let same = |of: fn(&Material) -> [f64; 3]| {
+        let same = |of: fn(&Material) -> u8| {
             let then = traced.materials.iter().zip(&found.renumbered);
             let now = |number: &Option<u16>| number.and_then(|number| scene.materials.get(usize::from(number)));
             then.filter_map(|(then, number)| Some((then, now(number)?))).all(|(then, now)| of(then) == of(now))
         };
-        let same_classes = same(|material| [f64::from(material.class.code()), 0.0, 0.0]);
+        let same_classes = same(|material| material.class.code());
         let numbers = found.renumbered.iter().copied().eq((0..scene.materials.len() as u16).map(Some));
         Ok(Some(PreviousBuild {
             file: archive,
             archive: Earlier::open(OpenSite::open(archive)?),
             same_numbers: numbers,
             same_classes,
-            same_light: same_classes
-                && same(|material| [material.diffuse, material.specular, material.transmittance.unwrap_or(-1.0)]),
             of_canopies: found.of_canopies,
-            preview: None,
             change,
             in_doubt,
             number_then,

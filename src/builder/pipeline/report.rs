@@ -3,7 +3,6 @@
 use std::time::Instant;
 
 use super::manifest::BuildCounts;
-use heliotile_core::archive::preview::Preview;
 use heliotile_core::text::Message;
 
 /// Report of a build.
@@ -26,8 +25,6 @@ pub struct BuildReport {
     pub lost_in_mirrors: [f64; 2],
     /// Numbers of layers kept from the archive before a change; `None` if none was used.
     pub kept: Option<ReusedCounts>,
-    /// Preview as the archive states it, if it is one.
-    pub preview: Option<Preview>,
 }
 
 /// Numbers of layers that a change of the scene left as they were.

@@ -8,7 +8,6 @@ use std::sync::atomic::AtomicU64;
 use super::Workspace;
 use super::layer_cache::LayerCache;
 use super::prepared::PreparedScene;
-use super::preview::PreviewState;
 use super::previous_build::PreviousBuild;
 use crate::settings::{BuildSettings, Effect};
 use crate::trace::Tracer;
@@ -17,7 +16,6 @@ use crate::trace::mirror::Reflections;
 use crate::trace::surface::CellSurfaces;
 use heliotile_archives::writing::Writer;
 use heliotile_core::error::{Error, Result};
-use heliotile_core::light::radiosity::centres_f32;
 use heliotile_core::light::reflector::Reflector;
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::observer::Observer;
@@ -46,8 +44,6 @@ pub(super) struct SiteTracer<'a> {
     /// Largest shares of light that were lost behind the last mirror followed, as bits of an f64:
     /// of a receiver's light, of a cell's.
     pub lost: [AtomicU64; 2],
-    /// Mean directions of the texels of the sky of probes.
-    pub probe_centres: Vec<[f32; 3]>,
     pub observer: &'a dyn Observer,
 }
 
@@ -77,7 +73,6 @@ impl<'a> SiteTracer<'a> {
             before,
             reflections,
             lost: Default::default(),
-            probe_centres: centres_f32(settings.probe),
             canopies,
             observer,
         }
@@ -89,11 +84,6 @@ impl<'a> SiteTracer<'a> {
         CellSurfaces { mesh: &self.scene.mesh, tracer: self.tracer, canopies }
     }
 
-    /// Returns the layers that a preview keeps; `None` if the archive is to be complete.
-    pub fn preview(&self) -> Option<&PreviewState> {
-        self.before.as_ref()?.preview.as_ref()
-    }
-
     /// Returns true if an effect is to be traced where the scene has it.
     pub fn traces(&self, effect: Effect) -> bool {
         let left_out = self.settings.left_out;
@@ -102,11 +92,6 @@ impl<'a> SiteTracer<'a> {
 
     /// Writes a checkpoint if one is due, and ends the build if the user stopped it.
     pub fn checkpoint(&self, writer: &mut Writer) -> Result<()> {
-        if self.preview().is_some() {
-            // A preview takes seconds, so it is not resumed.
-            let stopped = || Error::Stopped { what: "before the preview was complete".into() };
-            return if self.observer.cancelled() { Err(stopped()) } else { Ok(()) };
-        }
         if !self.observer.cancelled() {
             return if writer.due() { writer.checkpoint() } else { Ok(()) };
         }

@@ -56,26 +56,12 @@ pub(super) struct TracedTile {
     pub cells: Vec<CellKey>,
     pub rays: RayCounts,
     pub misplaced: Vec<Misplaced>,
-    /// Tile of the archive before that it is copied from, if it is.
-    pub copied: Option<CopiedTile>,
 }
 
 /// Facts about the tiles of a build.
 #[derive(Default)]
 pub(super) struct TilesFound {
     pub misplaced: Vec<Misplaced>,
-    /// Copied tiles, with their numbers in the archive before a change.
-    pub copied: Vec<CopiedTile>,
-}
-
-/// Tile, and the tile of the archive before a change that it is a copy of.
-#[derive(Clone, Copy)]
-pub(super) struct CopiedTile {
-    pub tile: u32,
-    pub from: u32,
-    /// Upper bound of how much the direct light of its receivers alters, as a share of the light on
-    /// open ground.
-    pub direct: f64,
 }
 
 /// Receiver at a place where it can hardly be intended.
@@ -170,7 +156,6 @@ impl SiteTracer<'_> {
                 rays.mirror += tile.rays.mirror;
                 rays.canopy += tile.rays.canopy;
                 found.misplaced.extend(tile.misplaced);
-                found.copied.extend(tile.copied);
             }
             first += batch.len() as u32;
             progress.advance(batch.iter().map(|t| t.len() as u64).sum());
@@ -204,15 +189,8 @@ impl SiteTracer<'_> {
         }
     }
 
-    /// Derives and writes the responses of all tiles, except those that a preview keeps.
-    pub fn write_responses(
-        &self,
-        tiles: u32,
-        copied: &[CopiedTile],
-        writer: &mut Writer,
-        clock: &mut Clock,
-    ) -> Result<()> {
-        self.keep_responses(copied, writer)?;
+    /// Derives and writes the responses of all tiles.
+    pub fn write_responses(&self, tiles: u32, writer: &mut Writer, clock: &mut Clock) -> Result<()> {
         let missing: Vec<u32> = (0..tiles).filter(|&tile| !writer.has(format::RESPONSE, TileNumber(tile))).collect();
         if missing.is_empty() {
             return Ok(());
@@ -278,7 +256,7 @@ impl SiteTracer<'_> {
         let blocks = pack::tile(TileNumber(number), &table, parts.as_ref(), &sky, Some(&hits), &extras)?;
         let besides = extras.iter().flat_map(|of| of.mirrors.cells().chain(of.canopy.cells()));
         let cells = hits.palette.into_iter().chain(besides).collect();
-        Ok(TracedTile { blocks, cells, rays, misplaced, copied: None })
+        Ok(TracedTile { blocks, cells, rays, misplaced })
     }
 
     /// Returns a receiver that an earlier build traced, as if it had been traced now.

@@ -6,7 +6,7 @@ use std::sync::atomic::Ordering;
 
 use super::previous_build::PreviousBuild;
 use super::site_tracer::SiteTracer;
-use super::tiles::{BLIND, CopiedTile, TracedTile};
+use super::tiles::{BLIND, TracedTile};
 use crate::settings::Effect;
 use crate::trace::sky_fans::SkyFans;
 use heliotile_archives::pack::{self, COMPRESSION};
@@ -18,7 +18,7 @@ use heliotile_core::site::receiver::Receiver;
 
 impl PreviousBuild<'_> {
     /// Copies a block of the archive, under another number.
-    pub fn copy(&self, kind: BlockKind, tile: TileNumber, to: TileNumber) -> Result<Option<EncodedBlock>> {
+    fn copy(&self, kind: BlockKind, tile: TileNumber, to: TileNumber) -> Result<Option<EncodedBlock>> {
         let Some(entry) = self.file.entry(kind, tile) else { return Ok(None) };
         let mut block = self.file.copy(entry)?;
         block.entry.tile = to;
@@ -61,12 +61,10 @@ impl SiteTracer<'_> {
             return Ok(None);
         }
         let Some((from, table)) = before.archive.tile_of(receivers) else { return Ok(None) };
-        let preview = before.preview.as_ref();
-        let direct = preview.and_then(|preview| preview.direct(receivers, self, &before.change));
         // A receiver's own rays do not tell if light reaches it when it sees no sky. The factor 2
         // allows for the f32 values of the table.
         let blind = || table.sky_view.iter().any(|view| f64::from(*view) < 2.0 * BLIND);
-        if direct.is_none() && (blind() || self.alters(before, from, receivers, fans)) {
+        if blind() || self.alters(before, from, receivers, fans) {
             return Ok(None);
         }
         let table = tables::ReceiversTable::new(receivers.iter().zip(table.views()));
@@ -81,21 +79,9 @@ impl SiteTracer<'_> {
             Ok(Some(canopy)) if before.same_numbers => blocks.push(canopy),
             _ => return Ok(None),
         }
-        let cells = match before.preview.is_some() {
-            // A preview keeps all cells of the archive.
-            true => Vec::new(),
-            false => match before.tile_hits(from, receivers.len()) {
-                Some(hits) => hits.palette,
-                None => return Ok(None),
-            },
-        };
+        let Some(HitTile { palette: cells, .. }) = before.tile_hits(from, receivers.len()) else { return Ok(None) };
         before.receivers.fetch_add(receivers.len() as u64, Ordering::Relaxed);
-        Ok(Some(TracedTile {
-            blocks,
-            cells,
-            copied: Some(CopiedTile { tile: number.0, from, direct: direct.unwrap_or(0.0) }),
-            ..TracedTile::default()
-        }))
+        Ok(Some(TracedTile { blocks, cells, ..TracedTile::default() }))
     }
 
     /// Returns true if the change alters what some receivers of a tile see, or if that cannot be

@@ -14,7 +14,7 @@ use heliotile_core::archive::negligible::Negligible;
 use heliotile_core::error::Result;
 use losses::YearLosses;
 
-pub use request::{AccuracyRequest, BuildDone, BuildRequest, PREVIEWS, check_preview, parse_negligible, parse_preview};
+pub use request::{AccuracyRequest, BuildDone, BuildRequest, parse_negligible};
 
 /// Request for a plan.
 pub struct PlanRequest<'a> {

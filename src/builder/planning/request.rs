@@ -105,22 +105,7 @@ pub struct BuildRequest<'a> {
     pub from: Option<&'a Archive>,
     /// Function that reads the weather of an error target.
     pub files: ReadFile<'a>,
-    /// Bound of a preview, percent of the light on open ground. Layers that the change can alter by
-    /// less are kept, and the archive is a preview.
-    pub preview_percent: Option<f64>,
 }
-
-/// Refuses a percentage outside [`PREVIEWS`].
-pub fn check_preview(percent: Option<f64>) -> Result<()> {
-    if percent.is_none_or(|percent| PREVIEWS.contains(&percent)) {
-        return Ok(());
-    }
-    let hint = format!("give {} to {} percent", PREVIEWS.start(), PREVIEWS.end());
-    Err(Error::argument("preview", "is not a possible bound for a preview", hint))
-}
-
-/// Bounds that a preview may have, percent of the light on open ground.
-pub const PREVIEWS: RangeInclusive<f64> = 0.01..=20.0;
 
 /// Plan and report of a finished build.
 #[derive(Clone, Debug)]
@@ -158,20 +143,11 @@ impl Build<'_> {
     /// Plans and builds. The observer gets the plan and the error that was found; the report waits
     /// for [`BuildReport::tell`].
     pub fn plan_and_write(mut self, request: &BuildRequest, output: &Output) -> Result<BuildDone> {
-        check_preview(request.preview_percent)?;
-        if request.preview_percent.is_some() && request.from.is_none() {
-            return Err(Error::argument(
-                "preview",
-                "needs an archive of the scene before it was changed",
-                "give it with {from}",
-            ));
-        }
         let planned = self.decide(request)?;
         let observer = self.observer;
         observer.detail(tables::forecast(&planned.forecast));
         planned.losses.iter().for_each(|losses| observer.detail(tables::losses(losses)));
-        let (with_scene, preview_percent) = (request.with_scene, request.preview_percent);
-        let plan = &Plan { with_scene, preview_percent, ..planned.plan.clone() };
+        let plan = &Plan { with_scene: request.with_scene, ..planned.plan.clone() };
         let sources = ReusedArchives { earlier: None, before: request.from };
         let report = self.write(plan, output, &sources)?;
         if let Some(choice) = &planned.choice {
@@ -207,14 +183,6 @@ pub fn parse_negligible(text: &str) -> std::result::Result<f64, String> {
     let most = AccuracyRequest::ERRORS.end();
     parse_percent(text, MIN_NEGLIGIBLE..=*most).ok_or_else(|| {
         format!("`{text}` is not a share that can be left out: give {MIN_NEGLIGIBLE} to {most} percent, as in 0.5%")
-    })
-}
-
-/// Reads the bound of a preview, percent: `1%`.
-pub fn parse_preview(text: &str) -> std::result::Result<f64, String> {
-    let (least, most) = (PREVIEWS.start(), PREVIEWS.end());
-    parse_percent(text, PREVIEWS).ok_or_else(|| {
-        format!("`{text}` is not a possible bound of a preview: give {least} to {most} percent, as in 1%")
     })
 }
 

@@ -171,11 +171,10 @@ fn hours_in_words(kind: &str) -> String {
     }
 }
 
-/// Returns the summary of a finished build: its archive, and that it is a preview if it is one.
+/// Returns the summary of a finished build.
 pub fn summary(report: &BuildReport, output: &Path) -> String {
-    let preview = report.preview.as_ref().map_or_else(String::new, |preview| format!("  a preview: {preview}\n"));
     format!(
-        "{}: {}, {:.2} MB, root {}\n{preview}",
+        "{}: {}, {:.2} MB, root {}\n",
         output.display(),
         counted(report.counts.receivers, "receiver"),
         report.bytes as f64 / 1e6,

@@ -92,11 +92,6 @@ impl Change {
         self.altered(rays, scene) > 0
     }
 
-    /// Returns the boxes, relative to the origin: lowest and highest corner.
-    pub fn boxes(&self) -> &[[DVec3; 2]] {
-        &self.boxes
-    }
-
     /// Returns the directions of the boxes as seen from within `spread_m` of a point relative to
     /// the origin.
     pub fn seen_from(&self, point: DVec3, spread_m: f64) -> ChangeInView {

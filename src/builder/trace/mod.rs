@@ -10,7 +10,6 @@ pub mod kernel;
 pub(crate) mod mirror;
 pub mod placement;
 pub(crate) mod probe;
-pub(crate) mod reach;
 pub mod receiver;
 pub(crate) mod refinement;
 pub mod sky_fans;

@@ -13,7 +13,6 @@ use crate::archive::accuracy::Accuracy;
 use crate::archive::format;
 use crate::archive::format::{BlockKind, Entry, MAX_MANIFEST, MAX_TILE_RECEIVERS, RECEIVERS, TileNumber};
 use crate::archive::negligible::Negligible;
-use crate::archive::preview::Preview;
 pub use crate::archive::settings::Settings;
 use crate::error::{Error, Result};
 use crate::site::ground::MonthlyGround;
@@ -49,9 +48,6 @@ pub struct Manifest {
     /// True if hits and cells were left out: the archive answers what needs sky and response only.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub replay_only: bool,
-    /// Bound of a preview: parts that were not derived again after a change of the scene.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub preview: Option<Preview>,
     /// Place of the scene on Earth, if its files state it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub place: Option<Place>,

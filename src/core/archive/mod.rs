@@ -36,7 +36,6 @@ pub mod manifest;
 mod mapping;
 pub mod negligible;
 pub mod pointer;
-pub mod preview;
 pub mod read_at;
 pub mod reader;
 pub mod record;

@@ -116,9 +116,6 @@ pub fn info(args: &Info, _: Provenance) -> Result<Outcome> {
         let why = manifest.negligible.as_ref().map_or(String::new(), |known| format!("; negligible: {known}"));
         line!(out, "  left out    {}{why}", s.left_out.join(", "));
     }
-    if let Some(preview) = &manifest.preview {
-        line!(out, "  preview     {preview}");
-    }
     if let Some(lost) = black_below_horizon(&archive)? {
         line!(out, "  horizon     {}", worded_text(&lost));
     }

@@ -137,7 +137,7 @@ const CLASSES: &[Class] = &[
         "PlanOptions",
         "plan",
         "build",
-        ["receivers", "output", "part", "grid_north", "dry_run", "checkpoint", "fresh", "from", "preview", "no_scene"],
+        ["receivers", "output", "part", "grid_north", "dry_run", "checkpoint", "fresh", "from", "no_scene"],
         true
     ),
     class!("RunOptions", "run", "run", ["weather", "output"], true),

@@ -206,15 +206,6 @@ def test_update_is_the_programs(site: heliotile.Archive, tmp_path: Path) -> None
     done = after.updated
     assert done is not None and (done.kept + len(done.buried), done.moved, done.gone) == (site.count, 0, 0)
     assert done.new > 8 and after.count == done.kept + done.new and done.rays > 0
-    program("update", site.path, *words, "--preview", "1%", "-o", tmp_path / "program.helio")
-    seen = site.update(
-        tmp_path / "preview.helio", add=tmp_path / "tower.obj", materials=tmp_path / "m.toml", spacing=6.0, preview="1%"
-    )
-    assert (tmp_path / "program.helio").read_bytes() == (tmp_path / "preview.helio").read_bytes()
-    with pytest.raises(heliotile.InputError, match="is a preview"):
-        seen.update(tmp_path / "no.helio", remove=["tower"])
-    with pytest.raises(heliotile.ArgumentError, match="is not a possible bound of a preview"):
-        site.update(tmp_path / "no.helio", remove=["tower"], preview=200)
     with pytest.raises(heliotile.ArgumentError, match="no object or building `towr`"):
         after.update(tmp_path / "no.helio", move={"towr": (1, 2, 3)})
     with pytest.raises(heliotile.ArgumentError, match="is not a height"):

@@ -7,7 +7,7 @@ use super::CompareRequest;
 use super::summary::{CompareSummary, unmatched_table};
 use super::variant::{BeforePlaces, Variant, VariantReplay};
 use crate::archives::{Archives, Sources};
-use crate::doubts::{check_one_site, preview};
+use crate::doubts::check_one_site;
 use crate::files::{OutputRequest, Question, RowsAbout, name_of, write_rows};
 use crate::outputs::periods::Every;
 use crate::outputs::provenance::Provenance;
@@ -214,7 +214,6 @@ fn tell(before: Archives, before_place: &Path, after: Archives, place: &Path, ob
         observer.note(format!("{} and {}: the archives are equal", names[0], names[1]));
         return Ok(());
     }
-    after.iter().filter_map(preview).for_each(|text| observer.warn(&text));
     let found = differences(before.first(), after.first())?;
     let settings = found.iter().filter(|one| one.item.starts_with("settings."));
     let named: Vec<String> = settings

@@ -57,11 +57,10 @@ impl Provenance {
     /// what it states of its own error.
     pub fn with_archive(self, path: &Path, archive: &Archive) -> Self {
         let about = self.with("archive", file_name(path)).with("archive_root", format::hex(&archive.root()));
-        let Manifest { place, accuracy, preview, negligible, .. } = archive.manifest();
+        let Manifest { place, accuracy, negligible, .. } = archive.manifest();
         about
             .with_any("place", place.as_ref())
             .with_any("stated_error", accuracy.as_ref().map(error_of))
-            .with_any("preview", preview.as_ref())
             .with_any("left_out", negligible.as_ref())
     }
 

@@ -106,7 +106,6 @@ pub fn facts(table: &DescribedTable, digest: &TableDigest) -> Vec<Fact> {
     }
     add("Uncertainty", Some(uncertainty(table, digest)));
     add("Assumed", options.contains_key("trees").then(|| clear_sky(&options)));
-    add("Doubt", said("preview").map(|text| format!("The archive is a preview: {text}.")));
     add("Doubt", said("left_out").map(|text| format!("The archive leaves out {text}.")));
     for rule in rules.iter().filter(|rule| !rule.unconfirmed.is_empty()) {
         add("Doubt", Some(format!("Not confirmed of {}: {}", rule.name, rule.unconfirmed)));

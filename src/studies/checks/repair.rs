@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 
 use super::original;
 use heliotile_archives::Workspace;
-use heliotile_archives::complete;
 use heliotile_builder::held::held_receivers;
 use heliotile_builder::pipeline::{Build, Output, Plan, PreparedScene, ReusedArchives, Start, read_receivers};
 use heliotile_builder::receiver_tiles::ReceiverTiles;
@@ -93,7 +92,6 @@ impl RepairRequest {
         }
         // Header, directory and manifest must be good: nothing is known of the rest without them.
         let archive = Archive::open_with(&self.archive, Access::Read)?;
-        complete(&archive)?;
         let scene = original::scene_of(&archive, &site, self.scene.first(), resources.observer)?;
         let workspace = Workspace { folder: folder_of(output).into(), memory: resources.memory };
         let mut receivers = self.receivers(&archive, &scene, &workspace, resources)?;

@@ -4,7 +4,6 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use heliotile_archives::complete;
 use heliotile_builder::held::held_scene;
 use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::{Archive, format};
@@ -21,15 +20,14 @@ pub const MIRROR_STEP_MIN: f64 = 0.25;
 /// Number of bisections of these steps: moments are found to a quarter of a second.
 const BISECTIONS: usize = 6;
 
-/// Returns the scene that an archive was traced from. Fails if the archive does not hold it, or is
-/// a preview.
+/// Returns the scene that an archive was traced from. Fails if the archive does not hold
+/// it.
 pub fn scene_of(archive: &Archive) -> Result<Scene> {
     if !archive.has(format::SCENE, TileNumber::FIRST) {
         let what = "the archive does not hold its scene, so no ray can be cast";
         let hint = "build it again without {no_scene}, or leave out {exact}, {spells}, {panes} and calendars";
         return Err(Error::input(archive.path(), None, what, hint).because(Problem::Lacks("scene")));
     }
-    complete(archive)?;
     let held = held_scene(archive)?;
     let origin = held.grid.origin;
     let place = |corners: &[DVec3; 3]| corners.map(|corner| origin + corner);

@@ -21,7 +21,7 @@ use heliotile_core::opened::OpenSite;
 use heliotile_core::text::{counted, message};
 use heliotile_core::weather::time::sun::Location;
 use heliotile_results::archives::Archives;
-use heliotile_results::doubts::{check_one_site, preview};
+use heliotile_results::doubts::check_one_site;
 use heliotile_results::files::{OutputRequest, RowFiles, RowsAbout, groups_of, name_of};
 use heliotile_results::outputs::groups::{GroupGeometry, Groups};
 use heliotile_results::outputs::periods::Every;
@@ -251,7 +251,6 @@ impl SunlightRequest {
     /// Warns of properties of archives that a user should know.
     fn tell(&self, archives: Archives, resources: &Resources) {
         let observer = resources.observer;
-        archives.iter().filter_map(preview).for_each(|text| observer.warn(&text));
         let settings = &archives.manifest().settings;
         let texel_deg = HEMISPHERE_SR.sqrt().to_degrees() / f64::from(settings.sky_fine);
         let minutes = texel_deg / DEGREES_A_MINUTE;

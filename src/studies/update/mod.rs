@@ -12,7 +12,6 @@ use glam::DVec3;
 use heliotile_archives::Workspace;
 use heliotile_builder::held::{held_receivers, held_scene};
 use heliotile_builder::pipeline::{Build, BuildReport, Output, Plan, PreparedScene, ReusedArchives, Start};
-use heliotile_builder::planning::check_preview;
 use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_builder::settings::BuildSettings;
 use heliotile_core::archive::{Access, Archive};
@@ -86,7 +85,6 @@ impl UpdateRequest {
         let add = SceneRequest { no_ground: true, ..self.add.clone() };
         let added = if add.files.is_empty() { SceneFiles::default() } else { add.site()? };
         check_ranges(&self.cover)?;
-        check_preview(self.preview_percent)?;
         check_archive_name(&self.output)?;
         guard_site(&self.output, &added, &[Some(&self.before), self.add.materials.as_deref()])?;
         guard_archive(&self.output)?;
@@ -203,8 +201,7 @@ impl UpdateRequest {
         let budget = workspace.memory.length(Use::SortedReceivers);
         let mut tiles = ReceiverTiles::from_receivers(receivers, scene.mesh.origin, &workspace.folder, budget)?;
         let prepared = PreparedScene::new(scene)?;
-        let preview_percent = self.preview_percent;
-        let plan = Plan { preview_percent, ..Plan::new(BuildSettings::of(&manifest.settings)) };
+        let plan = Plan::new(BuildSettings::of(&manifest.settings));
         let output =
             Output { start: if self.fresh { Start::Fresh } else { Start::Resume }, ..Output::new(self.output.clone()) };
         let sources = ReusedArchives { earlier: None, before: Some(before) };

@@ -23,9 +23,6 @@ pub struct UpdateRequest {
     pub cover: CoverRequest,
     /// Density of the new receivers; `None`: spacing as in the archive.
     pub density: Option<Density>,
-    /// Largest change, percent, that an edit may cause without a new trace. With it the archive is
-    /// a preview.
-    pub preview_percent: Option<f64>,
     /// True if an interrupted update of other edits in the same place is discarded.
     pub fresh: bool,
 }
