@@ -266,3 +266,38 @@ fn percentiles_of_years_are_those_of_their_sums() {
         assert!(output.status.code() == Some(2) && stderr(&output).contains(told), "{}", stderr(&output));
     }
 }
+
+/// The EPW files of June of three years in a folder are one series, whatever their names: its sums
+/// by year are those of the files, and its percentiles lie between them. A file of another place
+/// and a folder without EPW files are refused.
+#[test]
+fn a_folder_of_years_is_one_series() {
+    let folder = Folder::new();
+    folder.write("receivers.csv", "receiver,x,y,z,nx,ny,nz,surface\na,15,5,0.02,0,0,1,lawn\n");
+    folder.build();
+    fs::create_dir(folder.path("years")).expect("a folder");
+    let write = |name: &str, place: &str, year: i32, dhi: f64| {
+        let text = epw(place, &days(year, 6), |_, hour| [9999.0, 0.0, if (8..16).contains(&hour) { dhi } else { 0.0 }]);
+        fs::write(folder.path(name), text).expect("a file");
+    };
+    write("years/a.epw", "52,5,0", 2003, 100.0);
+    write("years/b.epw", "52,5,0", 2001, 300.0);
+    write("years/c.EPW", "52,5,0", 2002, 200.0);
+    fs::write(folder.path("years/notes.txt"), "of one station").expect("a file");
+    let rows = |rest: &str| -> Vec<String> {
+        let output = folder.run(&format!("replay site.helio --columns total --every year --weather {rest}"));
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        stdout(&output).lines().skip(1).map(str::to_owned).collect()
+    };
+    let of_files: Vec<String> =
+        ["b.epw", "c.EPW", "a.epw"].iter().flat_map(|name| rows(&format!("years/{name}"))).collect();
+    assert_eq!((rows("years"), of_files.len()), (of_files.clone(), 3));
+    let total = |row: &String| -> f64 { row.rsplit(',').next().and_then(|cell| cell.parse().ok()).expect("a number") };
+    let found: Vec<f64> = rows("years --percentiles").iter().map(total).collect();
+    let [third, second, first] = [0, 1, 2].map(|row| total(&of_files[row]));
+    let right = [first + 0.2 * (second - first), second, second + 0.8 * (third - second)];
+    assert!(found.iter().zip(right).all(|(found, right)| (found / right - 1.0).abs() < 1e-4), "{found:?} {right:?}");
+    write("years/d.epw", "40,-105,-7", 2004, 100.0);
+    folder.refused("replay site.helio --weather years", &["d.epw: is of another place than years/a.epw"]);
+    folder.refused("replay site.helio --weather .", &["holds no .epw"]);
+}

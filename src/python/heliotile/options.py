@@ -1222,9 +1222,6 @@ class UpdateOptions(TypedDict, total=False):
     spacing: str | float | None
     """Distance between the receivers on new or reshaped objects, such as 2m [default: about that of the archive's own]"""
 
-    preview: str | float | None
-    """Keep light that the edits alter by less than this share of the light on open ground, on average over the sky, such as 1%. The new archive is marked as a preview; the same command without this option completes it."""
-
     fresh: bool
     """Discard an interrupted update at the output path and start again. Without this option an update with the same edits is resumed."""
 
@@ -1427,7 +1424,7 @@ class CoverOptions(TypedDict, total=False):
     """Add receivers of `along` that face backwards, for travel in both directions."""
 
     within: str | os.PathLike[str] | float | None
-    """Put level receivers on the ground within areas, such as gardens and squares, in place of surfaces, `spacing` apart and `offset` above the ground: a CSV file of the corners of areas with columns x and y, and optionally area (a name), or a box xmin,ymin,xmax,ymax."""
+    """Put level receivers on the ground within areas, such as gardens and squares, in place of surfaces, `spacing` apart and `offset` above the ground: polygons (.geojson, .gpkg, .shp, .parquet), a CSV file of the corners of areas with columns x and y, and optionally area (a name), or a box xmin,ymin,xmax,ymax."""
 
     progress: Progress | None
     """Called now and then with the stage, the number of items done, and the number of all."""
@@ -1456,9 +1453,6 @@ class BuildOptions(TypedDict, total=False):
 
     before: Place | None
     """Archive of this scene before a change, or with `part` an atlas of it; a path or an address. Only light that the change can alter is traced; the new archive has the same bytes as without this option."""
-
-    preview: str | float | None
-    """Keep light of `before` that the change alters by less than this share of the light on open ground, on average over the sky, such as 1%. The new archive is marked as a preview; the same command without this option completes it."""
 
     with_scene: bool
     """False: Leave the scene's triangles out of the archive, if they may not be passed on."""

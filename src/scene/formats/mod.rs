@@ -244,7 +244,7 @@ pub(super) fn read_areas(path: &Path, scene: Option<u32>) -> Result<(Vec<Outline
         _ => {
             return Err(Error::Unsupported {
                 what: format!("the areas {}", path.display()).into(),
-                found: format!("a name that ends with .{}", excerpt(ending.as_bytes())).into(),
+                found: format!("a name that ends with .{}", excerpt(ending.as_bytes())),
                 supported: "polygons as .geojson, .gpkg, .shp or .parquet, or their corners as .csv".into(),
             });
         }

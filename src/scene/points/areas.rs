@@ -1,5 +1,5 @@
-//! Areas on the ground: gardens, squares, yards. In: a file of polygons, a CSV file of corners, or a
-//! box. Out: areas, and places in them at equal distances.
+//! Areas on the ground: gardens, squares, yards. In: a file of polygons, a CSV file of corners, or
+//! a box. Out: areas, and places in them at equal distances.
 
 use std::path::Path;
 
@@ -15,8 +15,8 @@ use heliotile_files::input;
 /// An area in plan.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GroundArea {
-    /// Name of the area: the cell of the column `area`, the attribute `area` or `name` of a polygon,
-    /// or the name of the file.
+    /// Name of the area: the cell of the column `area`, the attribute `area` or `name` of a
+    /// polygon, or the name of the file.
     pub name: String,
     /// Outlines and holes, input coordinates, metres.
     rings: Vec<Vec<DVec2>>,
@@ -116,10 +116,10 @@ mod tests {
         assert_eq!(GroundArea::of_box("box".into(), low, high).places(1.0).len(), 8);
     }
 
-    /// Of a GeoJSON file in the system of the scene, a square of 4 m with a hole of 2 m and a square
-    /// of 2 m beside it have 16 places at 1 m, and a point is left out with a sentence. Two areas
-    /// of one name get two names. Degrees without a system of the scene, another system, and a file
-    /// without polygons are refused.
+    /// A square of 4 m with a hole of 2 m and a square of 2 m beside it, in a GeoJSON file in the
+    /// system of the scene, have 16 places at 1 m, and a point is left out with a sentence. Two
+    /// areas of one name get two names. Degrees without a system of the scene, another system, and
+    /// a file without polygons are refused.
     #[test]
     fn polygons_of_features_are_areas() {
         let folder = TestFolder::new();
