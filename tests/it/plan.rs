@@ -221,7 +221,7 @@ fn losses_of_a_year_are_bounded() {
         let all = build(Effects::NONE);
         let archives = Effect::ALL.map(|effect| build(Effects::of_names(&[effect.name().to_string()])));
         for (number, climate) in climates.iter().enumerate() {
-            // The same suns and patches on both sides: two suns an hour show what is lost.
+            // Both sides have equal suns and patches, so two suns an hour show what is lost.
             let mut year = climate.year(2);
             year.retain(is_lit);
             let sums = year_sums(&all.1, &year);

@@ -47,7 +47,6 @@ use layer_cache::LayerCache;
 use previous_build::PreviousBuild;
 use report::Clock;
 use site_tracer::SiteTracer;
-use tiles::TilesFound;
 
 pub use forecast::{Forecast, Line, NEGLIGIBLE_W_M2, SKY_W_M2, SUN_W_M2};
 pub use geometry::holds_objects;
@@ -214,9 +213,9 @@ fn trace(
     let mut warnings: Vec<Message> = farthest.into_iter().collect();
     let mut rays = RayCounts::default();
 
-    let mut found = TilesFound::default();
+    let mut misplaced = Vec::new();
     // Each stage finds the cells that the next one traces.
-    let keys = tracer.write_receivers(receivers, writer, &mut rays, &mut found)?;
+    let keys = tracer.write_receivers(receivers, writer, &mut rays, &mut misplaced)?;
     clock.lap("receivers");
     let probes = tracer.write_probes(keys, writer, &mut rays)?;
     let bounce_cells = tracer.write_bounces(probes.seen, writer, &mut rays)?;
@@ -248,7 +247,7 @@ fn trace(
     }
     tracer.write_name_index(receivers, writer)?;
     let manifest = tracer.manifest(&counts, plan, writer.layers());
-    warnings.extend(tiles::warnings(&found.misplaced));
+    warnings.extend(tiles::warnings(&misplaced));
     warnings.extend(in_hulls(tracer.count_in_hulls(receivers)?).into_iter().map(Message::from));
     let lost_in_mirrors = tracer.lost.each_ref().map(|lost| f64::from_bits(lost.load(Ordering::Relaxed)));
     Ok(Traced { counts, rays, warnings, manifest, lost_in_mirrors })

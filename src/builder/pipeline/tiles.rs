@@ -58,12 +58,6 @@ pub(super) struct TracedTile {
     pub misplaced: Vec<Misplaced>,
 }
 
-/// Facts about the tiles of a build.
-#[derive(Default)]
-pub(super) struct TilesFound {
-    pub misplaced: Vec<Misplaced>,
-}
-
 /// Receiver at a place where it can hardly be intended.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Misplaced {
@@ -124,14 +118,14 @@ struct Traced {
 }
 
 impl SiteTracer<'_> {
-    /// Traces and writes the receivers' tiles. Returns the keys of all cells that they see, sorted,
-    /// each once.
+    /// Traces and writes the receivers' tiles, and adds misplaced receivers to `misplaced`. Returns
+    /// the keys of all cells that they see, sorted, each once.
     pub fn write_receivers(
         &self,
         receivers: &mut ReceiverTiles,
         writer: &mut Writer,
         rays: &mut RayCounts,
-        found: &mut TilesFound,
+        misplaced: &mut Vec<Misplaced>,
     ) -> Result<impl Iterator<Item = Result<CellKey>> + use<>> {
         let progress = Stage::begin(self.observer, "receivers", Some(receivers.count() as u64));
         let fans = SkyFans::new(self.settings.sky_base, self.settings.sky_fine);
@@ -155,7 +149,7 @@ impl SiteTracer<'_> {
                 rays.hit += tile.rays.hit;
                 rays.mirror += tile.rays.mirror;
                 rays.canopy += tile.rays.canopy;
-                found.misplaced.extend(tile.misplaced);
+                misplaced.extend(tile.misplaced);
             }
             first += batch.len() as u32;
             progress.advance(batch.iter().map(|t| t.len() as u64).sum());

@@ -20,8 +20,7 @@ pub const MIRROR_STEP_MIN: f64 = 0.25;
 /// Number of bisections of these steps: moments are found to a quarter of a second.
 const BISECTIONS: usize = 6;
 
-/// Returns the scene that an archive was traced from. Fails if the archive does not hold
-/// it.
+/// Returns the scene that an archive was traced from. Fails if the archive does not hold it.
 pub fn scene_of(archive: &Archive) -> Result<Scene> {
     if !archive.has(format::SCENE, TileNumber::FIRST) {
         let what = "the archive does not hold its scene, so no ray can be cast";
