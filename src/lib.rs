@@ -113,9 +113,9 @@ pub use heliotile_studies::covering::{CoverRequest, Density};
 pub use heliotile_studies::pv::{EnergyRequest, Mounting, Price, PvDone, PvRequest};
 pub use heliotile_studies::site_build::check_output;
 pub use heliotile_studies::{
-    AuditReport, AuditRequest, ComfortSiteRequest, DaySpan, FolderOption, GlareChoice, ReceiverSource, RepairRequest,
-    RunDone, RunMap, RunRequest, SiteArchiveRequest, SiteBuild, SiteFolder, SunlightDone, SunlightRequest,
-    TradeoffRequest, TreeShade, UpdateDone, UpdateRequest, Verdict, shipped_rules,
+    AuditReport, AuditRequest, ComfortSiteRequest, DaySpan, EnvelopeDone, EnvelopeRequest, FolderOption, GlareChoice,
+    ReceiverSource, RepairRequest, RunDone, RunMap, RunRequest, SiteArchiveRequest, SiteBuild, SiteFolder,
+    SunlightDone, SunlightRequest, TradeoffRequest, TreeShade, UpdateDone, UpdateRequest, Verdict, shipped_rules,
 };
 pub use heliotile_weather::temperatures::Temperature;
 pub use site::{ReceiverTotal, Site, SiteOptions, SiteReplay};

@@ -35,6 +35,7 @@ pages! {
     pv = "pv.md",
     buildings = "buildings.md",
     comparing = "comparing.md",
+    envelope = "envelope.md",
     shading = "shading.md",
     sunlight = "sunlight.md",
     glare = "glare.md",

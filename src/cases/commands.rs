@@ -138,6 +138,12 @@ commands![
         "Find when mirrors and glass facades reflect the sun to receivers, and which pane does, and check rules on glare"
     ),
     (
+        "envelope",
+        Envelope,
+        Ask,
+        "Find the largest building on a plot that leaves the receivers around it hours of sun, as a table of heights and a mesh"
+    ),
+    (
         "shading",
         Shading,
         Ask,
@@ -242,7 +248,7 @@ mod tests {
         R::rows().iter().filter(|row| is_odd(row)).map(|row| format!("{command} {}", row.name)).collect()
     }
 
-    /// Defaults that faces show are those of the requests: of all fields of 30 commands none
+    /// Defaults that faces show are those of the requests: of all fields of 31 commands none
     /// differs.
     #[test]
     fn stated_defaults_are_those_of_requests() {

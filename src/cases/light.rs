@@ -16,7 +16,7 @@ use heliotile_results::{
     LightSource, OutputRequest, PlacesRequest, QueryRequest, ReplayRequest, Resources, ShadingRequest,
 };
 use heliotile_studies::run::folder_beside;
-use heliotile_studies::{ComfortSiteRequest, GlareChoice, SunlightRequest};
+use heliotile_studies::{ComfortSiteRequest, EnvelopeRequest, GlareChoice, SunlightRequest};
 
 use super::{SelectionRequest, SiteRequest};
 use crate::site::Site;
@@ -175,6 +175,20 @@ pub struct Glare {
     /// Reflections that count, and further files.
     #[field(flatten)]
     pub glare: GlareChoice,
+}
+
+/// Request of `envelope`.
+#[derive(Clone, Debug, Default, Request)]
+pub struct Envelope {
+    /// Archive that is asked.
+    #[field(flatten)]
+    pub site: SiteRequest,
+    /// Plot, hours of sun, and files to write.
+    #[field(flatten)]
+    pub request: EnvelopeRequest,
+    /// Receivers that keep their sun.
+    #[field(flatten)]
+    pub receivers: SelectionRequest,
 }
 
 /// Request of `factors`.

@@ -28,7 +28,8 @@ use heliotile_results::{
     QueryRequest, ReceiverChoice, ReceiverSet, ReplayRequest, Resources, ShadingRequest, ShadingSummary, Sources, Tile,
 };
 use heliotile_studies::{
-    AuditReport, AuditRequest, SunlightDone, SunlightRequest, SunlightSite, UpdateDone, UpdateRequest,
+    AuditReport, AuditRequest, EnvelopeDone, EnvelopeRequest, SunlightDone, SunlightRequest, SunlightSite, UpdateDone,
+    UpdateRequest,
 };
 
 pub use light::{ReceiverTotal, SiteReplay};
@@ -461,6 +462,24 @@ impl Site {
         let beside = Site::open_with(place, self.options_beside())?;
         let receivers = beside.receivers(&files.output, resources.memory)?;
         request.write(files, &site, Some(&beside.sunlight_site(&receivers, &folder)), about, resources)
+    }
+
+    /// Writes the largest building on a plot that leaves the receivers their hours of sun.
+    ///
+    /// ```no_run
+    /// # use heliotile::covering::AreaSource;
+    /// # use heliotile::{EnvelopeRequest, Resources, Site};
+    /// let mut plot = EnvelopeRequest { hours: Some(2.0), output: "heights.csv".into(), ..EnvelopeRequest::default() };
+    /// plot.plot = Some(AreaSource::File("plot.geojson".into()));
+    /// plot.sun.dates = vec!["03-21".parse()?];
+    /// println!("{}", Site::open("site.helio")?.envelope(&plot, &Resources::usual())?.text());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn envelope(&self, request: &EnvelopeRequest, resources: &Resources) -> Result<EnvelopeDone> {
+        request.check(&self.inputs(&[]))?;
+        let receivers = self.receivers(&request.output, resources.memory)?;
+        let site = self.sunlight_site(&receivers, Path::new(""));
+        request.write(&site, self.options.about.clone(), resources)
     }
 
     fn sunlight_site<'a>(&'a self, receivers: &'a ReceiverSet<'a>, folder: &'a Path) -> SunlightSite<'a> {

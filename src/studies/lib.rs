@@ -10,6 +10,7 @@
 //! | [`pv`] | light on solar modules, and their best orientation |
 //! | `people` | [`ComfortSiteRequest`]: the archive of people at points of a scene |
 //! | `sunlight` | [`SunlightRequest`]: hours of possible sun, glare, and rules about either |
+//! | `envelope` | [`EnvelopeRequest`]: the largest building that leaves places their sun |
 //! | `checks` | [`AuditRequest`]: accuracy of an archive; [`RepairRequest`]: repair of an archive |
 //! | `tradeoff` | [`TradeoffRequest`]: cost of accuracy on a site |
 //! | `update` | [`UpdateRequest`]: an archive after edits of its scene |
@@ -19,6 +20,7 @@
 
 mod checks;
 pub mod covering;
+mod envelope;
 pub mod on_ground;
 mod people;
 pub mod pv;
@@ -33,6 +35,7 @@ pub use checks::{
     WorstPair, is_time,
 };
 pub use covering::CoverRequest;
+pub use envelope::{EnvelopeDone, EnvelopeRequest};
 pub use people::ComfortSiteRequest;
 pub use run::{RunDone, RunMap, RunRequest};
 pub use site_build::{FolderOption, ReceiverSource, SiteArchiveRequest, SiteBuild, SiteFolder};

@@ -87,27 +87,36 @@ const BOX: &str = "box";
 const STANDS_M: f64 = 0.01;
 
 /// Ground of a scene.
-struct Ground<'a> {
+pub(crate) struct Ground<'a> {
     siting: Siting<'a>,
     highest_m: f64,
     /// EPSG number of the scene's coordinates, if they have one.
     system: Option<u32>,
 }
 
-impl Ground<'_> {
+impl<'a> Ground<'a> {
+    /// Returns the ground of a scene.
+    pub(crate) fn new(prepared: &'a PreparedScene<'a>) -> Self {
+        let mesh = &prepared.scene.mesh;
+        let system = prepared.scene.place.and_then(|place| place.epsg);
+        Ground { siting: Siting::new(prepared), highest_m: mesh.origin.z + mesh.bounds().1.z, system }
+    }
+
     /// Hands the ground of a site to `take`.
     fn of<T>(site: &SceneFiles, observer: &dyn Observer, take: impl FnOnce(&Ground) -> Result<T>) -> Result<T> {
         let scene = Scene::load_site(site)?;
         scene.report.tell(observer);
-        let prepared = PreparedScene::new(&scene)?;
-        let mesh = &scene.mesh;
-        let system = scene.place.and_then(|place| place.epsg);
-        take(&Ground { siting: Siting::new(&prepared), highest_m: mesh.origin.z + mesh.bounds().1.z, system })
+        take(&Ground::new(&PreparedScene::new(&scene)?))
     }
 
     /// Returns the height of the ground at a place, whatever stands on it.
-    fn height_m(&self, at: DVec2) -> Option<f64> {
+    pub(crate) fn height_m(&self, at: DVec2) -> Option<f64> {
         self.siting.ground_below(at.extend(self.highest_m + 1.0)).map(|below| below.z)
+    }
+
+    /// Returns the height of what stands above the ground at a place; 0 if nothing does.
+    pub(crate) fn built_m(&self, at: DVec2, ground_m: f64) -> f64 {
+        self.siting.top(at.x, at.y).map_or(0.0, |top| top.z - ground_m).max(0.0)
     }
 
     /// Returns true if a point above the ground lies inside of something that stands there.
@@ -170,20 +179,9 @@ impl WithinRequest {
     /// ground, are left out and counted in a warning. Errors: numbers out of range, areas that
     /// cannot be read, no receiver at all.
     pub fn points(&self, site: &SceneFiles, observer: &dyn Observer) -> Result<Vec<GroundPoint>> {
-        if let AreaSource::File(file) = &self.areas {
-            input::check(file)?;
-        }
+        self.areas.check()?;
         let (points, [built, bare]) = Ground::of(site, observer, |ground| {
-            let areas = match &self.areas {
-                AreaSource::File(file) => {
-                    let (areas, said) = read_areas(file, ground.system)?;
-                    said.into_iter().for_each(|said| observer.warn(said));
-                    areas
-                }
-                AreaSource::Box(Bounds { low, high }) => {
-                    vec![GroundArea::of_box(BOX.to_owned(), low.truncate(), high.truncate())]
-                }
-            };
+            let areas = self.areas.read(ground.system, observer)?;
             let count = areas.iter().map(|area| area.most_places(self.spacing_m)).sum();
             check_distances([("spacing", self.spacing_m), ("offset", self.above_m)], count)?;
             Ok(self.on(ground, &areas))
@@ -220,6 +218,27 @@ impl WithinRequest {
             }
         }
         (points, left_out)
+    }
+}
+
+impl AreaSource {
+    /// Refuses a file that is not there.
+    pub(crate) fn check(&self) -> Result<()> {
+        if let AreaSource::File(file) = self { input::check(file) } else { Ok(()) }
+    }
+
+    /// Returns the areas, in metres of the plane system `scene` (an EPSG number).
+    pub(crate) fn read(&self, scene: Option<u32>, observer: &dyn Observer) -> Result<Vec<GroundArea>> {
+        match self {
+            AreaSource::File(file) => {
+                let (areas, said) = read_areas(file, scene)?;
+                said.into_iter().for_each(|said| observer.warn(said));
+                Ok(areas)
+            }
+            AreaSource::Box(Bounds { low, high }) => {
+                Ok(vec![GroundArea::of_box(BOX.to_owned(), low.truncate(), high.truncate())])
+            }
+        }
     }
 }
 

@@ -19,6 +19,7 @@ mod comfort;
 mod compare;
 mod damage;
 mod energyplus;
+mod envelope;
 mod export;
 mod facing_wall;
 mod figures;

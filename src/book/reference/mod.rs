@@ -12,6 +12,7 @@ pages! {
     compare = "compare.md",
     sunlight = "sunlight.md",
     glare = "glare.md",
+    envelope = "envelope.md",
     shading = "shading.md",
     comfort = "comfort.md",
     energyplus_factors = "energyplus-factors.md",

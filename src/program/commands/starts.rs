@@ -29,6 +29,7 @@ runs![
     ("compare", Compare, replay::compare),
     ("sunlight", Sunlight, sunlight::run),
     ("glare", Glare, sunlight::glare),
+    ("envelope", Envelope, sunlight::envelope),
     ("shading", Shading, replay::shading),
     ("comfort", Comfort, comfort::run),
     ("energyplus factors", Factors, replay::factors),

@@ -1,12 +1,12 @@
-//! `heliotile sunlight` and `heliotile glare`: hours of possible sun, the sun in mirrors, and rules
-//! about them.
+//! `heliotile sunlight`, `heliotile glare` and `heliotile envelope`: hours of possible sun, the sun
+//! in mirrors, rules about them, and buildings that keep them.
 
 use std::fmt::Write;
 
 use super::replay::with_resources;
 use super::{Outcome, say};
 use crate::commands::console::voice::remark_aside;
-use heliotile::cases::{Glare, Sunlight};
+use heliotile::cases::{Envelope, Glare, Sunlight};
 use heliotile::requests::Problem;
 use heliotile::{Error, Provenance, Result, SunlightDone, shipped_rules};
 
@@ -24,6 +24,16 @@ pub fn glare(args: &Glare, about: Provenance) -> Result<Outcome> {
         args.site.open(&args.receivers, about, resources.observer)?.sunlight(&args.request(), &args.files, resources)
     })?;
     Ok(tell(&done))
+}
+
+/// `heliotile envelope`.
+pub fn envelope(args: &Envelope, about: Provenance) -> Result<Outcome> {
+    let done = with_resources(&args.site, |resources| {
+        args.site.open(&args.receivers, about, resources.observer)?.envelope(&args.request, resources)
+    })?;
+    // Standard output may hold the table, so the remark goes to standard error.
+    remark_aside(format!("{}\n", done.text()));
+    Ok(Outcome::Fine)
 }
 
 fn tell(done: &SunlightDone) -> Outcome {

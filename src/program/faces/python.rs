@@ -66,6 +66,7 @@ const CLASSES: &[Class] = &[
     class!("ShadingOptions", "Archive.shading", "shading", ["weather", "output"], false),
     class!("SunlightOptions", "Archive.sunlight", "sunlight", ["dates", "output"], false),
     class!("GlareOptions", "Archive.glare", "glare", ["dates", "output"], false),
+    class!("EnvelopeOptions", "Archive.envelope", "envelope", ["within", "output"], false),
     class!("FactorsOptions", "Archive.factors", "energyplus factors", [], false),
     class!("ExtractOptions", "Archive.extract", "archive extract", ["receivers", "output"], false),
     class!("ExportOptions", "Archive.export", "export", ["output", "receiver", "html", "with"], false),

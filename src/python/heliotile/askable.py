@@ -17,6 +17,7 @@ from .given import MEMORY, Asked, WantedArgs, asked, wanted_args, wanted_of
 from .options import (
     BuildingsOptions,
     ComfortOptions,
+    EnvelopeOptions,
     FactorsOptions,
     GlareOptions,
     PlacesOptions,
@@ -228,6 +229,17 @@ class Askable(ABC):
         `heliotile.options.GlareOptions`. A plot that ends with .svg is a calendar."""
         keywords = asked("Archive.glare", GlareOptions, options, output=output, dates=dates)
         found: dict[str, Any] = self._ask("glare", keywords, options)
+        return found
+
+    def envelope(self, output: str | os.PathLike[str], within: str | os.PathLike[str], **options: Unpack[EnvelopeOptions]) -> dict[str, Any]:
+        """Writes the largest building on a plot that leaves the receivers around it hours of sun:
+        `heliotile envelope`. `within`: a file of polygons, or a box `"xmin,ymin,xmax,ymax"`. The
+        options are those of `heliotile.options.EnvelopeOptions`. Returns `plot_m2`, `volume_m3`,
+        `height_m`, and the numbers of `places`, of those that limit it (`bound`), and of those with
+        less sun than is asked for today (`short`).
+        """
+        keywords = asked("Archive.envelope", EnvelopeOptions, options, output=output, within=within)
+        found: dict[str, Any] = self._ask("envelope", keywords, options)
         return found
 
     def factors(self, **options: Unpack[FactorsOptions]) -> Factors:

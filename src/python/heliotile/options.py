@@ -1014,6 +1014,61 @@ class GlareOptions(TypedDict, total=False):
     """Called now and then with the stage, the number of items done, and the number of all."""
 
 
+class EnvelopeOptions(TypedDict, total=False):
+    """Options of `Archive.envelope`."""
+
+    memory: int | str | None
+    """Memory to work in, such as 512MiB or 2GiB. Default: `4GiB`."""
+
+    hours: float | None
+    """Hours of sun that each receiver keeps on each of `dates`; one that has fewer keeps them all."""
+
+    spacing: str | float | None
+    """Distance between the nodes of the grid, metres. Default: `1m`."""
+
+    height_limit: str | float | None
+    """Greatest height above the ground. Default: `50m`."""
+
+    mesh: Place | None
+    """Mesh to write of the envelope, a closed body (.obj), which `update` adds to the archive."""
+
+    dates: str | Sequence[str] | None
+    """Days to compute, separated by commas: 03-21, 2026-03-21, 02-19..10-21 or year; with `rules`, the days for rules that state none."""
+
+    year: int | None
+    """Year of the dates that state none; results of other years differ by a few minutes. Default: `2017`."""
+
+    rules: str | Sequence[str] | None
+    """Rule to check: a name that `heliotile info --rule all` lists, or a file with rules of your own (.toml); may be repeated."""
+
+    zone: str | float | None
+    """Time zone of results: hours ahead of UTC, such as +01:00, or a name such as Europe/Amsterdam, with its summer time [default: that of the weather file if one is given, else whole hours by longitude]"""
+
+    least_altitude: float | None
+    """Least altitude of the sun that counts, degrees; if a rule states one too, the higher one applies. Default: `0`."""
+
+    trees: Literal["ignore", "opaque", "half"] | None
+    """Shade of trees and screens, which are materials with a transmittance. Default: `ignore`."""
+
+    exact: bool
+    """Refine moments at which an edge within a texel decides, by casting rays at the scene in the archive."""
+
+    receivers: Wanted | None
+    """Only the receivers listed in a CSV file: ids in a column `receiver`."""
+
+    bbox: str | Sequence[float] | None
+    """Only the receivers in a box, coordinates of the scene in metres: xmin,ymin,xmax,ymax and optionally zmin,zmax; of an atlas, only parts that touch it are opened."""
+
+    surfaces: str | Sequence[str] | None
+    """Only the receivers of these surfaces."""
+
+    objects: str | Sequence[str] | None
+    """Only the receivers of these objects or buildings."""
+
+    progress: Progress | None
+    """Called now and then with the stage, the number of items done, and the number of all."""
+
+
 class FactorsOptions(TypedDict, total=False):
     """Options of `Archive.factors`."""
 

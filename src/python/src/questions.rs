@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use crate::archive::{ARCHIVE, ArchiveHandle};
 use crate::asked::Keywords;
 use crate::selection::PySelection;
-use heliotile::cases::{Buildings, Compare, Glare, PeopleOfSite, Places, Replay, Shading, Sunlight};
+use heliotile::cases::{Buildings, Compare, Envelope, Glare, PeopleOfSite, Places, Replay, Shading, Sunlight};
 use heliotile::tables::{Cell, Records};
 use heliotile::{Provenance, Result, Site};
 
@@ -52,6 +52,9 @@ pub fn ask(
         }),
         "sunlight" => asked.run::<Sunlight, _>(py, ARCHIVE, progress, |args, about, resources| {
             Ok(json!(chosen(about)?.sunlight(&args.request, &args.files, resources)?))
+        }),
+        "envelope" => asked.run::<Envelope, _>(py, ARCHIVE, progress, |args, about, resources| {
+            Ok(json!(chosen(about)?.envelope(&args.request, resources)?))
         }),
         "glare" => asked.run::<Glare, _>(py, ARCHIVE, progress, |args, about, resources| {
             Ok(json!(chosen(about)?.sunlight(&args.request(), &args.files, resources)?))

@@ -154,7 +154,7 @@ def test_pages_are_the_programs(site: heliotile.Archive, tmp_path: Path) -> None
 
 
 def test_no_result_replaces_an_input(site: heliotile.Archive, tmp_path: Path) -> None:
-    """Six calls whose output is their weather, their schedule, their list of receivers or an archive are refused, and all files keep their bytes."""
+    """Eight calls whose output is their weather, their schedule, their list of receivers or an archive are refused, and all files keep their bytes."""
     weather, schedule, names, after = (tmp_path / name for name in ("days.epw", "ground.csv", "names.csv", "after.helio"))
     weather.write_bytes(DAYS.read_bytes())
     schedule.write_text("reflectance\n" + 12 * "0.3\n")
@@ -169,6 +169,7 @@ def test_no_result_replaces_an_input(site: heliotile.Archive, tmp_path: Path) ->
         lambda: site.buildings(weather, weather),
         lambda: site.places(weather, weather),
         lambda: site.shading(weather, weather),
+        lambda: site.envelope(site.path, "0,0,2,2", hours=2, dates="03-21"),
         lambda: heliotile.compare(site, after, weather, summary=after),
     ):
         with pytest.raises((heliotile.ArgumentError, heliotile.InputError, heliotile.UnsupportedError), match="input|replaced|ending"):
@@ -177,13 +178,13 @@ def test_no_result_replaces_an_input(site: heliotile.Archive, tmp_path: Path) ->
 
 
 def test_the_book_names_every_command() -> None:
-    """The table of the book has a line for each of the 21 commands of the help, and all that it calls exists."""
+    """The table of the book has a line for each of the 22 commands of the help, and all that it calls exists."""
     lines = (ROOT / "src" / "book" / "python.md").read_text().splitlines()
     start = lines.index("| program | Python |") + 2
     table = [line.strip("| ").split(" | ", 1) for line in lines[start : lines.index("", start)]]
     commands = {word.split()[0] for left, _ in table for word in re.findall(r"`([^`]+)`", left) if not word.startswith("--")}
     known = {line.split()[0] for line in printed("--help").splitlines() if re.match(r"  [a-z]+  ", line)}
-    assert commands == known and len(known) == 21, commands ^ known
+    assert commands == known and len(known) == 22, commands ^ known
     owners = {"site": heliotile.Archive, "Scene(files)": heliotile.Scene, 'Archive.open("site.helio")': heliotile.Archive, 'Atlas.open("atlas")': heliotile.Atlas}
     for call in (call for _, right in table for call in re.findall(r"`([^`]+)`", right) if not call.startswith("python ")):
         owner = next((owner for owner in owners if call.startswith(owner + ".")), None)

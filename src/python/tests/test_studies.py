@@ -169,6 +169,11 @@ def test_files_are_the_programs(block: heliotile.Archive, conditions: Path, tmp_
     program("shading", block.path, "--weather", YEAR, "--by", "surface", "-o", tmp_path / "program-s.csv")
     assert "takes most" in block.shading(tmp_path / "s.csv", YEAR, by="surface", plots=[tmp_path / "s.svg"])
     assert rows(tmp_path / "s.csv") == rows(tmp_path / "program-s.csv") and "<svg" in (tmp_path / "s.svg").read_text()
+    plot = "80970,454270,80990,454290"
+    program("envelope", block.path, "--within", plot, "--hours", 1, "--dates", "03-21", "--mesh", tmp_path / "program-e.obj", "-o", tmp_path / "program-e.csv")
+    found = block.envelope(tmp_path / "e.csv", plot, hours=1, dates="03-21", mesh=tmp_path / "e.obj")
+    assert rows(tmp_path / "e.csv") == rows(tmp_path / "program-e.csv") and found["plot_m2"] == 400 and found["volume_m3"] > 0
+    assert (tmp_path / "e.obj").read_text().count("\nv ") == (tmp_path / "program-e.obj").read_text().count("\nv ")
     with pytest.raises(heliotile.ArgumentError, match="weather, conditions"):
         block.write(tmp_path / "none.csv")
 

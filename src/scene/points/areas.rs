@@ -66,8 +66,31 @@ impl GroundArea {
 
     /// Returns the lowest and the highest coordinates of the corners.
     fn bounds(&self) -> [DVec2; 2] {
-        let all = self.rings.iter().flatten().copied();
-        [all.clone().fold(DVec2::INFINITY, DVec2::min), all.fold(DVec2::NEG_INFINITY, DVec2::max)]
+        let (low, high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        [self.corners().fold(low, DVec2::min), self.corners().fold(high, DVec2::max)]
+    }
+
+    /// Iterates over the corners of all outlines and holes.
+    pub fn corners(&self) -> impl Iterator<Item = DVec2> + '_ {
+        self.rings.iter().flatten().copied()
+    }
+
+    /// Returns the vector along the longest side.
+    pub fn longest_side(&self) -> DVec2 {
+        let all = self.rings.iter().flat_map(|ring| sides(ring)).map(|[a, b]| b - a);
+        all.fold(DVec2::ZERO, |longest, side| {
+            // Of sides that differ by rounding, the first counts.
+            if side.length_squared() > longest.length_squared() * 1.000_001 { side } else { longest }
+        })
+    }
+
+    /// Returns true if a square, or another convex outline of four corners, lies in the area but
+    /// for a thousandth of its width along its rim.
+    pub fn holds(&self, square: [DVec2; 4]) -> bool {
+        let middle = 0.25 * square.iter().sum::<DVec2>();
+        let inner = square.map(|corner| corner.lerp(middle, 0.001));
+        let is_here = |place: DVec2| is_within(self.rings.iter().flat_map(|ring| sides(ring)), place);
+        inner.iter().all(|corner| is_here(*corner)) && !self.corners().any(|corner| is_within(sides(&inner), corner))
     }
 
     /// Returns the largest number of places that the area may have at a spacing.
@@ -109,6 +132,12 @@ mod tests {
         let [l, b] = areas.as_slice() else { panic!("{areas:?}") };
         assert_eq!((l.area_m2(), l.places(1.0).len(), l.places(2.0).len()), (12.0, 12, 3));
         assert_eq!(l.places(2.0), [[1.0, 1.0], [3.0, 1.0], [1.0, 3.0]].map(DVec2::from_array));
+        let square = |x: f64, y: f64, side: f64| {
+            [[x, y], [x + side, y], [x + side, y + side], [x, y + side]].map(DVec2::from_array)
+        };
+        let held = [(0.0, 0.0, 2.0), (2.0, 2.0, 2.0), (1.0, 1.0, 2.0), (0.0, 0.0, 4.0)];
+        assert_eq!(held.map(|(x, y, side)| l.holds(square(x, y, side))), [true, false, false, false]);
+        assert_eq!(l.longest_side(), DVec2::new(4.0, 0.0));
         assert_eq!((b.places(1.0).len(), b.most_places(1.0)), (3, 3.0));
         let own = read("x,y\n0,0\n1,0\n0,1\n").expect("an area");
         assert_eq!((own[0].name.as_str(), own[0].area_m2()), ("garden", 0.5));

@@ -7,18 +7,18 @@
 
 mod calendar;
 mod columns;
-mod days;
-mod exact;
+pub(crate) mod days;
+pub(crate) mod exact;
 mod former;
 mod glare;
 mod groups;
 mod measure;
 mod panes;
 mod pass;
-mod places;
+pub(crate) mod places;
 mod request;
 mod rule;
-mod rule_files;
+pub(crate) mod rule_files;
 mod trees;
 
 pub use calendar::DaySpan;

@@ -10,7 +10,7 @@ use super::former::{FormerValues, NamesAfter};
 use super::glare::{GlareChoice, PaneFile, SpellRecord, write_calendar};
 use super::groups::{GroupAnswers, check_middles};
 use super::panes::PaneList;
-use super::places::{PlaceAnswer, PlaceQuestions, RowSubject};
+use super::places::{KeptSpells, PlaceAnswer, PlaceQuestions, RowSubject};
 use super::request::{RuleCount, SunlightDone, SunlightRequest, SunlightSite};
 use super::trees::TreeShade;
 use heliotile_core::archive::format;
@@ -118,7 +118,7 @@ impl SunlightRequest {
             least_altitude_deg: self.least_altitude_deg,
             trees: self.trees,
             exact: self.exact,
-            is_of_groups: groups.is_some(),
+            kept: if groups.is_some() { KeptSpells::OfParts } else { KeptSpells::None },
         };
         let former = match before {
             Some(before) => self.former(files.by, before, &questions, resources)?,
@@ -249,7 +249,7 @@ impl SunlightRequest {
     }
 
     /// Warns of properties of archives that a user should know.
-    fn tell(&self, archives: Archives, resources: &Resources) {
+    pub(crate) fn tell(&self, archives: Archives, resources: &Resources) {
         let observer = resources.observer;
         let settings = &archives.manifest().settings;
         let texel_deg = HEMISPHERE_SR.sqrt().to_degrees() / f64::from(settings.sky_fine);
@@ -263,8 +263,7 @@ impl SunlightRequest {
         }
         let has_leaves = archives.iter().any(|archive| !archive.entries_of(format::CANOPY).is_empty());
         if has_leaves && self.glare.is_none() && self.trees == TreeShade::Ignore {
-            observer
-                .note("leaves and screens do not hide the sun here; {command:sunlight} has {trees} opaque and half");
+            observer.note("leaves and screens do not hide the sun here; {trees} opaque and half do");
         }
         if !has_leaves && self.trees != TreeShade::Ignore {
             observer.warn("the archive has no leaves and no screens: {trees} changes nothing");

@@ -78,6 +78,17 @@ pub struct AnswerItem {
     pub before: Option<RuleValue>,
 }
 
+/// Rules whose answers keep the spells of their days, besides the value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum KeptSpells {
+    /// None of them.
+    None,
+    /// Those about parts of an area at the same time, for groups.
+    OfParts,
+    /// All of them.
+    All,
+}
+
 /// Receivers and the computation that is requested for them.
 #[derive(Clone, Copy)]
 pub struct PlaceQuestions<'a> {
@@ -97,8 +108,8 @@ pub struct PlaceQuestions<'a> {
     pub panes: Option<&'a PaneList>,
     /// True if edges within texels are decided by rays.
     pub exact: bool,
-    /// True if groups will need spells, for rules about parts of an area at the same time.
-    pub is_of_groups: bool,
+    /// Rules whose answers keep the spells of their days.
+    pub kept: KeptSpells,
 }
 
 /// Tilt below which surfaces have no side, degrees: roofs that are nearly flat, and ceilings.
@@ -427,7 +438,11 @@ impl PartQuestions<'_> {
         };
         let days: Vec<SunSeen> = planned.days.iter().map(of_day).collect();
         let value = planned.value(&days);
-        let is_wanted = self.all.is_of_groups && matches!(rule.part, LitPart::AtATime(_));
+        let is_wanted = match self.all.kept {
+            KeptSpells::None => false,
+            KeptSpells::OfParts => matches!(rule.part, LitPart::AtATime(_)),
+            KeptSpells::All => true,
+        };
         AnswerItem { days: if is_wanted { days } else { Vec::new() }, ..AnswerItem::new(value) }
     }
 }

@@ -218,7 +218,7 @@ impl SunlightRequest {
 
     /// Returns the days, and rules or labels of rows. Reads rules and weather, and warns of what is
     /// odd about them.
-    pub(super) fn plan(&self, archives: Archives, resources: &Resources) -> Result<(DayPlan, RowSubject)> {
+    pub(crate) fn plan(&self, archives: Archives, resources: &Resources) -> Result<(DayPlan, RowSubject)> {
         let rules = read_rules(&self.rules)?;
         let place = archives.manifest().place;
         let weather = match &self.weather {

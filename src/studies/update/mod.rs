@@ -158,7 +158,8 @@ impl UpdateRequest {
         let (scene, mut soup) = Scene::load_with_objects(added)?;
         scene.report.tell(resources.observer);
         let (low, high) = scene.mesh.bounds();
-        if let Some(far) = far_objects(first, [low, high], before.manifest().scene.bounds_m.map(DVec3::from_array)) {
+        let lies = [low, high].map(|corner| corner + scene.mesh.origin);
+        if let Some(far) = far_objects(first, lies, before.manifest().scene.bounds_m.map(DVec3::from_array)) {
             resources.observer.warn(&far);
         }
         let called = first.file_stem().unwrap_or_default().to_string_lossy();
