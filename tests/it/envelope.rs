@@ -126,7 +126,9 @@ fn a_building_in_the_envelope_leaves_each_window_its_hours() {
 #[test]
 fn requests_without_an_answer_are_refused() {
     let folder = Folder::new();
-    folder.build();
+    folder.run(
+        "build scene.obj --materials materials.toml --receivers receivers.csv --latitude 52 --longitude 4 -o site.helio",
+    );
     let plot = "envelope site.helio --within 0,0,20,14";
     for (arguments, expected) in [
         (format!("{plot} --dates 03-21"), "argument missing --hours"),
@@ -135,7 +137,10 @@ fn requests_without_an_answer_are_refused() {
         ("envelope site.helio --hours 2 --dates 03-21".to_owned(), "argument missing --within"),
         (format!("{plot} --rule lai"), "argument other --rule"),
         (format!("{plot} --hours 2 --dates 03-21 --mesh plot.stl"), "argument ending --mesh"),
-        ("envelope site.helio --within 9000,0,9020,14 --hours 2 --dates 03-21".to_owned(), "argument misplaced --within"),
+        (
+            "envelope site.helio --within 900000,0,900020,14 --hours 2 --dates 03-21".to_owned(),
+            "argument misplaced --within",
+        ),
         (format!("{plot} --hours 2 --dates 03-21 -o heights.txt"), "unsupported `heights.txt`"),
         (format!("{plot} --hours 25 --dates 03-21"), "argument out-of-range --hours 25.0"),
     ] {

@@ -268,8 +268,9 @@ fn percentiles_of_years_are_those_of_their_sums() {
 }
 
 /// The EPW files of June of three years in a folder are one series, whatever their names: its sums
-/// by year are those of the files, and its percentiles lie between them. A file of another place
-/// and a folder without EPW files are refused.
+/// by year are those of the files, its percentiles lie between them, and tables name each file. A
+/// file of another place, a folder without EPW files, and a folder where one file is read are
+/// refused.
 #[test]
 fn a_folder_of_years_is_one_series() {
     let folder = Folder::new();
@@ -297,6 +298,11 @@ fn a_folder_of_years_is_one_series() {
     let [third, second, first] = [0, 1, 2].map(|row| total(&of_files[row]));
     let right = [first + 0.2 * (second - first), second, second + 0.8 * (third - second)];
     assert!(found.iter().zip(right).all(|(found, right)| (found / right - 1.0).abs() < 1e-4), "{found:?} {right:?}");
+    rows("years -o sums.csv");
+    let about = fs::read_to_string(folder.path("sums.csv-metadata.json")).expect("a file");
+    assert!(["a.epw", "b.epw", "c.EPW"].iter().all(|name| about.contains(&format!("years/{name}"))), "{about}");
+    folder.fails("info --weather years", "input other-kind years a folder");
+    folder.fails("run scene.obj --weather years", "argument other-kind --weather a folder");
     write("years/d.epw", "40,-105,-7", 2004, 100.0);
     folder.refused("replay site.helio --weather years", &["d.epw: is of another place than years/a.epw"]);
     folder.refused("replay site.helio --weather .", &["holds no .epw"]);

@@ -1,5 +1,7 @@
 """Rears of endless black rows under single suns: heliotile's middle row beside a cut through infinite rows, where each place of the ground lies in the
-sun or in shade. 20 suns in front of the modules, so that rears get reflected light only."""
+sun or in shade. 20 suns in front of the modules, so that rears get reflected light only. REARS=reference takes another quality."""
+
+import os
 
 import numpy as np
 
@@ -9,13 +11,14 @@ import rows
 SLOPE, ALBEDO, DNI, SAMPLES = rows.SLOPE, 0.3, 800.0, 16
 # Tilt, cover (slope by pitch), height of a row's middle.
 CASES = ((30, 0.45, 1.5), (10, 0.35, 1.5), (20, 0.38, 6.8))
-QUALITIES = ("standard", "fine", "reference")
+QUALITIES = os.environ.get("REARS", "standard fine").split()
 
 
 def suns():
     """Azimuth and altitude of suns spread over the sky in front, degrees."""
     share = (np.arange(20) + 0.5) / 20
-    return 100.0 + 160.0 * (np.arange(20) * 0.618034 % 1.0), np.degrees(np.arcsin(np.sin(np.radians(10)) + share * (np.sin(np.radians(70)) - np.sin(np.radians(10)))))
+    low, high = np.sin(np.radians((10, 70)))
+    return 100.0 + 160.0 * (np.arange(20) * 0.618034 % 1.0), np.degrees(np.arcsin(low + share * (high - low)))
 
 
 def expected(case, azimuth, altitude):
@@ -78,7 +81,3 @@ def main():
             sums = 100 * (light.mean(axis=1) / right.mean() - 1)
             print(f"tilt {case[0]}, cover {case[1]}, height {case[2]} m, {quality}: RMSE a sun {np.sqrt((off**2).mean()):.2f} %, worst {abs(off).max():.2f} %, "
                   f"bias {off.mean():+.2f} %; sums of 20 suns of {len(light)} rows from {sums.min():+.2f} to {sums.max():+.2f} %; {seconds:.1f} s, {size / 1e6:.2f} MB", flush=True)
-
-
-if __name__ == "__main__":
-    main()

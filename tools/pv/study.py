@@ -5,11 +5,12 @@ import sys
 import field
 import ground
 import horizon
+import rears
 import rows
 import sheds
 import walls
 
-PARTS = {"field": field.main, "walls": walls.main, "rows": rows.main, "sheds": sheds.main, "ground": ground.main, "horizon": horizon.main}
+PARTS = {"field": field.main, "walls": walls.main, "rows": rows.main, "rears": rears.main, "sheds": sheds.main, "ground": ground.main, "horizon": horizon.main}
 
 for part in sys.argv[1:] or PARTS:
     print(f"## {part}", flush=True)

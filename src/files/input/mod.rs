@@ -18,7 +18,7 @@ use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
 pub use self::zip::ShapefileParts;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 
 /// Reads a file. At most 4 GiB are unpacked, and beyond 256 MiB at most 200 times the packed size.
 pub fn read(path: &Path) -> Result<Vec<u8>> {
@@ -94,6 +94,10 @@ pub fn without_packing(name: &str) -> &str {
 
 fn refused(path: &Path, action: &'static str, source: std::io::Error) -> Error {
     let source = match source.kind() {
+        ErrorKind::IsADirectory => {
+            let error = Error::input(path, None, "is a folder, and one file is read here", "give a file in it");
+            return error.because(Problem::other_kind("a folder"));
+        }
         ErrorKind::NotFound | ErrorKind::NotADirectory => std::io::Error::new(source.kind(), missing::explain(path)),
         _ => source,
     };

@@ -14,6 +14,7 @@ use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::text::without_secrets;
 use heliotile_core::weather::time::utc_offset::UtcOffset;
+use heliotile_files::input::weather::weather_files;
 use heliotile_weather::series::Weather;
 
 /// Provenance of a file: names and values, in order.
@@ -64,9 +65,12 @@ impl Provenance {
             .with_any("left_out", negligible.as_ref())
     }
 
-    /// Adds the BLAKE3 hashes of input files, by the names that were given. Files of more than 64
-    /// MiB, pipes and names that are no files are left out.
+    /// Adds the BLAKE3 hashes of input files, by the names that were given, and of the weather files
+    /// in folders. Files of more than 64 MiB, pipes and names that are no files are left out.
     pub fn with_inputs(self, files: &[PathBuf]) -> Result<Self> {
+        let in_folder = |path: &PathBuf| if path.is_dir() { weather_files(path).ok() } else { None };
+        let files: Vec<PathBuf> =
+            files.iter().flat_map(|path| in_folder(path).unwrap_or_else(|| vec![path.clone()])).collect();
         let mut hashes = Map::new();
         // Only regular files are read: a pipe would lose the bytes that are read here.
         let is_small = |path: &&PathBuf| fs::metadata(path).is_ok_and(|is| is.is_file() && is.len() <= MAX_HASHED);

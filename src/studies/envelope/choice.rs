@@ -17,6 +17,7 @@ use super::solid::Solid;
 use heliotile_builder::pipeline::PreparedScene;
 use heliotile_builder::siting::Siting;
 use heliotile_core::error::Result;
+use heliotile_core::observer::Observer;
 use heliotile_core::site::material::{Class, Material};
 use heliotile_scene::Scene;
 
@@ -31,6 +32,9 @@ const MAX_TRIMS: usize = 8;
 
 /// Share of what a need has beyond its minutes by which it asks for less in the next round.
 const TRIMMED: f64 = 0.7;
+
+/// What was going on when the search is stopped.
+const STOPPED: &str = "before the envelope was found";
 
 /// Largest distance of minutes that count as equal.
 const CLOSE_MIN: f64 = 1e-6;
@@ -227,12 +231,13 @@ impl<'a> Search<'a> {
     }
 
     /// Returns the height to which each node may rise, input coordinates, metres.
-    pub fn tops(&self) -> Result<Vec<f64>> {
+    pub fn tops(&self, observer: &dyn Observer) -> Result<Vec<f64>> {
         let mut order: Vec<usize> = (0..self.needs.len()).collect();
         order.sort_by(|a, b| self.needs[*a].freedom().total_cmp(&self.needs[*b].freedom()));
         let asked: Vec<f64> = self.needs.iter().map(|need| need.minutes + SPARE_MIN).collect();
         let mut best = self.round(&order, &asked, None);
         for _ in 1..MAX_ROUNDS {
+            observer.stop_if_cancelled(STOPPED)?;
             let was_m3 = self.volume_m3(&best);
             best = self.round(&order, &asked, Some(&best));
             if self.volume_m3(&best) < was_m3 * (1.0 + LEAST_GROWTH) {
@@ -244,6 +249,7 @@ impl<'a> Search<'a> {
         let guide = best.clone();
         let (mut wanted, mut tops_m) = (asked.clone(), best.clone());
         for _ in 0..MAX_TRIMS {
+            observer.stop_if_cancelled(STOPPED)?;
             let has = self.minutes_beside(&tops_m)?;
             let is_met = has.iter().zip(&asked).all(|(has, asked)| *has >= asked - CLOSE_MIN);
             let (was_m3, is_m3) = (self.volume_m3(&best), self.volume_m3(&tops_m));

@@ -294,8 +294,14 @@ impl EnvelopeRequest {
             .collect();
         let bound = found.iter().filter(|(needs, _)| !needs.is_empty()).count() as u64;
         let short = found.iter().filter(|(_, is_short)| *is_short).count() as u64;
+        if bound == 0 {
+            resources.observer.warn(
+                "no receiver loses sun that it needs to the plot, which is filled up to {height_limit}: are its coordinates those of the \
+                 scene, and are there receivers around it?",
+            );
+        }
         let needs: Vec<Need> = found.into_iter().flat_map(|(needs, _)| needs).collect();
-        let tops_m = Search::new(needs, &days, &grid, limits_m).tops()?;
+        let tops_m = Search::new(needs, &days, &grid, limits_m).tops(resources.observer)?;
         let solid = Solid::new(&grid, &tops_m);
         let about = site.archives.told_in(about, site.place);
         self.table(&grid, &names, &solid, &tops_m, &about)?;

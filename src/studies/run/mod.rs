@@ -23,7 +23,7 @@ use heliotile_results::resources::Resources;
 use heliotile_builder::accuracy::conditions::ErrorConditions;
 use heliotile_builder::planning::EffectsUnder;
 use heliotile_core::archive::Archive;
-use heliotile_core::error::{Result, check_ranges};
+use heliotile_core::error::{Error, Problem, Result, check_ranges};
 use heliotile_remote::places::hold;
 use heliotile_scene::Scene;
 use heliotile_scene::site::SceneFiles;
@@ -51,6 +51,11 @@ impl RunRequest {
     /// Writes the folder; `about` is the provenance that results state.
     pub fn write(&self, about: Provenance, resources: &Resources) -> Result<RunDone> {
         check_ranges(self)?;
+        if self.weather.is_dir() {
+            let what = format!("`{}` is a folder, and a run is of one weather file", self.weather.display());
+            let hint = "give a file in it, then {command:replay} the archive with the folder";
+            return Err(Error::argument("weather", what, hint).because(Problem::other_kind("a folder")));
+        }
         let site = self.scene.site()?;
         let files = RunFiles::new(self, &site);
         files.guard(&site, self)?;
