@@ -469,7 +469,7 @@ impl Site {
     /// ```no_run
     /// # use heliotile::covering::AreaSource;
     /// # use heliotile::{EnvelopeRequest, Resources, Site};
-    /// let mut plot = EnvelopeRequest { hours: Some(2.0), output: "heights.csv".into(), ..EnvelopeRequest::default() };
+    /// let mut plot = EnvelopeRequest { hours: Some(2.0), ..EnvelopeRequest::default() };
     /// plot.plot = Some(AreaSource::File("plot.geojson".into()));
     /// plot.sun.dates = vec!["03-21".parse()?];
     /// println!("{}", Site::open("site.helio")?.envelope(&plot, &Resources::usual())?.text());

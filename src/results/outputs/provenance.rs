@@ -65,8 +65,8 @@ impl Provenance {
             .with_any("left_out", negligible.as_ref())
     }
 
-    /// Adds the BLAKE3 hashes of input files, by the names that were given, and of the weather files
-    /// in folders. Files of more than 64 MiB, pipes and names that are no files are left out.
+    /// Adds the BLAKE3 hashes of input files, by the names that were given; of a folder those of
+    /// its weather files. Large files (64 MiB), pipes and names that are no files are left out.
     pub fn with_inputs(self, files: &[PathBuf]) -> Result<Self> {
         let in_folder = |path: &PathBuf| if path.is_dir() { weather_files(path).ok() } else { None };
         let files: Vec<PathBuf> =

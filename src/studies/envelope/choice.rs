@@ -33,7 +33,7 @@ const MAX_TRIMS: usize = 8;
 /// Share of what a need has beyond its minutes by which it asks for less in the next round.
 const TRIMMED: f64 = 0.7;
 
-/// What was going on when the search is stopped.
+/// Work that was going on when the search is stopped.
 const STOPPED: &str = "before the envelope was found";
 
 /// Largest distance of minutes that count as equal.
@@ -328,7 +328,7 @@ mod tests {
         Need { place: DVec3::ZERO, days: days.collect(), minutes: 1.5, choice }
     }
 
-    /// Of two days with 2.5 and 3 minutes of sun, any 2 minutes are the two cheapest steps; of one
+    /// Any 2 minutes of two days with 2.5 and 3 minutes of sun are the two cheapest steps; in one
     /// spell they are the cheapest window that does not reach over a gap. Without a long enough
     /// spell all of the longest one is kept.
     #[test]

@@ -111,7 +111,7 @@ fn output_help() -> heliotile_requests::Message {
     table_help("Table of nodes to write: places in plan, the ground, and the height that a building may have there")
 }
 
-/// What places need by a rule, or by hours.
+/// Need of places by a rule, or by hours.
 struct Asked {
     minutes: f64,
     together: DaysTogether,
@@ -332,7 +332,8 @@ impl EnvelopeRequest {
         let built = grid.nodes.iter().filter(|node| ground.built_m(node.at, node.ground_m) > STANDS_M).count() as u64;
         if built > 0 {
             resources.observer.warn(message!(
-                "something stands on {} of {} of the plot: sun that it takes today is not kept (clear the plot with `update` and                  {{remove}} first)",
+                "something stands on {} of {} of the plot: sun that it takes today is not kept (clear the plot first, with \
+                 {{command:update}} and {{remove}})",
                 built,
                 counted(grid.nodes.len() as u64, "node")
             ));

@@ -90,6 +90,10 @@ fn check(page: &mut Page, counts: &mut Counts) -> Vec<String> {
         if let Some(Mark::Run(command)) = &block.mark {
             let output = if command.is_empty() { printed.clone() } else { shell.run(command) };
             *counts.entry("blocks checked".into()).or_default() += 1;
+            if block.first == block.last {
+                wrong.push(format!("{}:{}: holds no line that could be compared", page.name, block.first + 1));
+                continue;
+            }
             let found = output::compare(&page.lines[block.first..block.last], &output);
             if let Some(why) = found.wrong {
                 wrong.push(format!("{}:{}: {why}", page.name, block.first + 1));
