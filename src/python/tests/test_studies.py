@@ -169,13 +169,22 @@ def test_files_are_the_programs(block: heliotile.Archive, conditions: Path, tmp_
     program("shading", block.path, "--weather", YEAR, "--by", "surface", "-o", tmp_path / "program-s.csv")
     assert "takes most" in block.shading(tmp_path / "s.csv", YEAR, by="surface", plots=[tmp_path / "s.svg"])
     assert rows(tmp_path / "s.csv") == rows(tmp_path / "program-s.csv") and "<svg" in (tmp_path / "s.svg").read_text()
-    plot = "80970,454270,80990,454290"
-    program("envelope", block.path, "--within", plot, "--hours", 1, "--dates", "03-21", "--mesh", tmp_path / "program-e.obj", "-o", tmp_path / "program-e.csv")
-    found = block.envelope(tmp_path / "e.csv", plot, hours=1, dates="03-21", mesh=tmp_path / "e.obj")
-    assert rows(tmp_path / "e.csv") == rows(tmp_path / "program-e.csv") and found["plot_m2"] == 400 and found["volume_m3"] > 0
-    assert (tmp_path / "e.obj").read_text().count("\nv ") == (tmp_path / "program-e.obj").read_text().count("\nv ")
     with pytest.raises(heliotile.ArgumentError, match="weather, conditions"):
         block.write(tmp_path / "none.csv")
+
+
+def test_an_envelope_is_that_of_the_program(tmp_path: Path) -> None:
+    """The envelope of a court of 5 x 5 m among the walls of README's block has the program's heights and vertices, and more than 20 of 500 walls limit it."""
+    scene = heliotile.Scene(DATA / "cityjson" / "hague.city.json", crs=28992)
+    scene.cover(tmp_path / "walls.csv", on="wall")
+    site = heliotile.build(scene, tmp_path / "walls.csv", tmp_path / "site.helio", quality="draft")
+    asked = ["--within", "78736,457954,78741,457959", "--hours", 1, "--dates", "03-21"]
+    program("envelope", site.path, *asked, "--mesh", tmp_path / "program.obj", "-o", tmp_path / "program.csv")
+    found = site.envelope(tmp_path / "e.csv", asked[1], hours=1, dates="03-21", mesh=tmp_path / "e.obj")
+    assert rows(tmp_path / "e.csv") == rows(tmp_path / "program.csv") and round(found["plot_m2"], 6) == 25 and found["volume_m3"] > 0
+    assert found["places"] > 500 and found["bound"] > 20, found
+    vertices = [[line for line in (tmp_path / name).read_text().splitlines() if line.startswith("v ")] for name in ("e.obj", "program.obj")]
+    assert vertices[0] == vertices[1]
 
 
 def test_footprints_give_their_attributes_back(tmp_path: Path) -> None:
