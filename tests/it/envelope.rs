@@ -44,7 +44,9 @@ fn tangent(azimuth_rad: f64) -> f64 {
 
 /// A window 1.5 m above the ground, which faces south over a plot that begins 5 m before it, keeps
 /// all of its sun of 21 June: the height of each of 3321 nodes is the distance times the tangent of
-/// the sun's altitude in its direction. The volume is that of these heights.
+/// the sun's altitude in its direction, less 1 cm that it keeps clear and at most 1 cm more. On a
+/// grid of 1 m the heights are at most 12 cm lower, and nowhere higher. The volume is that of these
+/// heights.
 #[test]
 fn heights_before_a_window_are_those_of_the_sun() {
     let folder = Folder::new();
@@ -54,22 +56,23 @@ fn heights_before_a_window_are_those_of_the_sun() {
     folder.write("receivers.csv", "receiver,x,y,z,nx,ny,nz\nwindow,10,19.98,1.5,0,-1,0\n");
     let place = format!("--latitude {LATITUDE_DEG} --longitude 4.3");
     folder.run(&format!("build house.obj --receivers receivers.csv {place} --quality draft -o site.helio"));
-    let asked = "envelope site.helio --within 0,5,20,15 --hours 24 --dates 06-21 --height-limit 200m --spacing 25cm";
-    let said = stderr(&folder.run(&format!("{asked} -o heights.csv --mesh plot.obj")));
-    assert!(said.contains("1 place: 1 limit it, 1 have less sun"), "{said}");
-    let nodes = rows(&folder, "heights.csv");
-    assert_eq!(nodes.len(), 81 * 41);
-    let mut worst: f64 = 0.0;
-    for node in &nodes {
-        let (east, north) = (node[0] - 10.0, node[1] - 19.98);
-        let right = 1.5 + east.hypot(north) * tangent(east.atan2(north)) - 0.01;
-        assert!(node[2].abs() < 0.05, "the ground is at {}", node[2]);
-        worst = worst.max((node[2] + node[3] - right).abs());
+    for (spacing, count, low_m) in [("25cm", 81 * 41, 0.01), ("1m", 21 * 11, 0.12)] {
+        let asked = "envelope site.helio --within 0,5,20,15 --hours 24 --dates 06-21 --height-limit 200m --spacing";
+        let said = stderr(&folder.run(&format!("{asked} {spacing} -o heights.csv --mesh plot.obj")));
+        assert!(said.contains("1 place: 1 limit it, 1 have less sun"), "{said}");
+        let nodes = rows(&folder, "heights.csv");
+        assert_eq!(nodes.len(), count);
+        for node in &nodes {
+            let (east, north) = (node[0] - 10.0, node[1] - 19.98);
+            let right = 1.5 + east.hypot(north) * tangent(east.atan2(north));
+            let above_m = node[2] + node[3] - right;
+            assert!(node[2].abs() < 0.05, "the ground is at {}", node[2]);
+            assert!((-0.01 - low_m..0.0).contains(&above_m), "{spacing}: {above_m} at {east} {north}");
+        }
+        let volume: f64 = said.split(" m3").next().and_then(|text| text.trim().parse().ok()).expect("a volume");
+        let right: f64 = nodes.iter().map(|node| node[3] * node[4]).sum();
+        assert!((volume / right - 1.0).abs() < 0.002, "{volume} {right}");
     }
-    assert!(worst < 0.01, "{worst}");
-    let volume: f64 = said.split(" m3").next().and_then(|text| text.trim().parse().ok()).expect("a volume");
-    let right: f64 = nodes.iter().map(|node| node[3] * node[4]).sum();
-    assert!((volume / right - 1.0).abs() < 0.002, "{volume} {right}");
 }
 
 /// Houses around a plot keep two hours on 21 March beside the building that the envelope allows:

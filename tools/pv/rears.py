@@ -11,7 +11,8 @@ import rows
 SLOPE, ALBEDO, DNI, SAMPLES = rows.SLOPE, 0.3, 800.0, 16
 # Tilt, cover (slope by pitch), height of a row's middle.
 CASES = ((30, 0.45, 1.5), (10, 0.35, 1.5), (20, 0.38, 6.8))
-QUALITIES = os.environ.get("REARS", "standard fine").split()
+# Qualities, and settings by name: `standard` as buildings have it comes first.
+SETTINGS = [("standard", ("probe=16", "cell_factor=4"))] + [(quality, ()) for quality in os.environ.get("REARS", "standard fine").split()]
 
 
 def suns():
@@ -44,7 +45,7 @@ def expected(case, azimuth, altitude):
     return np.array(light)
 
 
-def found(case, azimuth, altitude, quality, out):
+def found(case, azimuth, altitude, quality, settings, out):
     """The same of nine inner rows of an archive, `[row][sun]`, the seconds of `pv`, and the bytes of the archive."""
     tilt, cover, height = case
     pitch = SLOPE / cover
@@ -56,7 +57,7 @@ def found(case, azimuth, altitude, quality, out):
     (out / "suns.csv").write_text("condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2\n" + "".join(
         f"{i},{a},{h},{DNI},0\n" for i, (a, h) in enumerate(zip(azimuth, altitude))))
     seconds = ours.run("pv", out / "field.obj", "-m", out / "field.toml", "--latitude", 40, "--longitude", 15, "-w", out / "days.csv", "--rows", out / "rows.toml",
-                       "--replace", "--no-hourly", "--quality", quality, "-o", out / "pv")
+                       "--replace", "--no-hourly", "--quality", quality, *(word for text in settings for word in ("--set", text)), "-o", out / "pv")
     archive = next((out / "pv").glob("*.helio"))
     ours.run("replay", archive, "--conditions", out / "suns.csv", "--columns", "total", "-o", out / "light.csv")
     of_rows = {}
@@ -75,9 +76,9 @@ def main():
     azimuth, altitude = suns()
     for case in CASES:
         right = expected(case, azimuth, altitude)
-        for quality in QUALITIES:
-            light, seconds, size = found(case, azimuth, altitude, quality, out)
+        for quality, settings in SETTINGS:
+            light, seconds, size = found(case, azimuth, altitude, quality, settings, out)
             off = 100 * (light - right) / right.mean()
             sums = 100 * (light.mean(axis=1) / right.mean() - 1)
-            print(f"tilt {case[0]}, cover {case[1]}, height {case[2]} m, {quality}: RMSE a sun {np.sqrt((off**2).mean()):.2f} %, worst {abs(off).max():.2f} %, "
+            print(f"tilt {case[0]}, cover {case[1]}, height {case[2]} m, {' '.join((quality, *settings))}: RMSE a sun {np.sqrt((off**2).mean()):.2f} %, worst {abs(off).max():.2f} %, "
                   f"bias {off.mean():+.2f} %; sums of 20 suns of {len(light)} rows from {sums.min():+.2f} to {sums.max():+.2f} %; {seconds:.1f} s, {size / 1e6:.2f} MB", flush=True)

@@ -57,21 +57,6 @@ impl AccuracyRequest {
     /// the sun's disc matter more than the weather.
     pub const ERRORS: RangeInclusive<f64> = 0.1..=50.0;
 
-    /// Returns the request for rows of modules. Nearly all light of a rear comes from ground within
-    /// some metres, on which the rows' own shade lies, so probes and cells there are finer than a
-    /// quality has them for buildings (`tools/pv/run rears`). Settings by name come after these.
-    pub fn for_modules(&self) -> AccuracyRequest {
-        let finer: &[&str] = match self.quality {
-            _ if self.error_percent.is_some() => &[],
-            Quality::Draft => &[],
-            Quality::Standard => &["probe=32", "cell_factor=2"],
-            Quality::Fine => &["probe=64", "cell_factor=1"],
-            Quality::Reference => &["probe=128", "cell_factor=2"],
-        };
-        let set = finer.iter().map(|text| (*text).to_owned()).chain(self.set.iter().cloned()).collect();
-        AccuracyRequest { set, ..self.clone() }
-    }
-
     /// Returns the settings of the rung with those that are set by name. Fails for a name or number
     /// that is not valid.
     pub fn settings(&self) -> Result<BuildSettings> {

@@ -66,7 +66,7 @@ impl Provenance {
     }
 
     /// Adds the BLAKE3 hashes of input files, by the names that were given; of a folder those of
-    /// its weather files. Large files (64 MiB), pipes and names that are no files are left out.
+    /// its weather files. Files above 64 MiB, pipes and names that are no files are left out.
     pub fn with_inputs(self, files: &[PathBuf]) -> Result<Self> {
         let in_folder = |path: &PathBuf| if path.is_dir() { weather_files(path).ok() } else { None };
         let files: Vec<PathBuf> =

@@ -236,11 +236,12 @@ impl<'a> Search<'a> {
         order.sort_by(|a, b| self.needs[*a].freedom().total_cmp(&self.needs[*b].freedom()));
         let asked: Vec<f64> = self.needs.iter().map(|need| need.minutes + SPARE_MIN).collect();
         let mut best = self.round(&order, &asked, None);
+        let mut best_m3 = self.volume_m3(&best);
         for _ in 1..MAX_ROUNDS {
             observer.stop_if_cancelled(STOPPED)?;
-            let was_m3 = self.volume_m3(&best);
             best = self.round(&order, &asked, Some(&best));
-            if self.volume_m3(&best) < was_m3 * (1.0 + LEAST_GROWTH) {
+            let was_m3 = std::mem::replace(&mut best_m3, self.volume_m3(&best));
+            if best_m3 < was_m3 * (1.0 + LEAST_GROWTH) {
                 break;
             }
         }
@@ -252,10 +253,11 @@ impl<'a> Search<'a> {
             observer.stop_if_cancelled(STOPPED)?;
             let has = self.minutes_beside(&tops_m)?;
             let is_met = has.iter().zip(&asked).all(|(has, asked)| *has >= asked - CLOSE_MIN);
-            let (was_m3, is_m3) = (self.volume_m3(&best), self.volume_m3(&tops_m));
-            if is_met && is_m3 > was_m3 {
+            let m3 = self.volume_m3(&tops_m);
+            if is_met && m3 > best_m3 {
                 best = tops_m;
-                if is_m3 < was_m3 * (1.0 + LEAST_GROWTH) {
+                let was_m3 = std::mem::replace(&mut best_m3, m3);
+                if m3 < was_m3 * (1.0 + LEAST_GROWTH) {
                     break;
                 }
             }
@@ -282,14 +284,7 @@ impl<'a> Search<'a> {
             let chosen: Vec<(&Need, Kept)> = some.par_iter().map(chosen).collect();
             for (need, kept) in chosen {
                 for (lit, kept) in need.days.iter().zip(&kept.steps) {
-                    days[lit.day].limits(
-                        need.place,
-                        grid,
-                        |step| kept[step],
-                        |_, node, height_m| {
-                            tops_m[node] = tops_m[node].min(height_m);
-                        },
-                    );
+                    need.lower(|step| kept[step], &days[lit.day], grid, &mut tops_m);
                 }
             }
         }

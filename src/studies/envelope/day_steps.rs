@@ -37,30 +37,30 @@ pub struct DaySteps {
     steps: Vec<Step>,
     /// `[step]`: minute of the day at which it starts.
     starts_min: Vec<f64>,
-    /// `[sector of the horizon]`: numbers of steps with the sun there.
+    /// `[sector of the horizon]`: numbers of steps whose right edge lies there.
     by_sector: Vec<Vec<u16>>,
+    /// Largest number of sectors that a step reaches beyond that of its right edge.
+    widest: usize,
 }
 
 impl DaySteps {
     /// Returns the minutes of a day that some spells touch.
     pub fn new(day: &SunDay, counts: &Spells) -> Self {
-        let (mut steps, mut starts_min, mut by_sector) = (Vec::new(), Vec::new(), vec![Vec::new(); SECTORS]);
+        let mut all = DaySteps { by_sector: vec![Vec::new(); SECTORS], ..DaySteps::default() };
         let mut next = 0;
         for spell in counts.iter() {
             let touched = (spell.start_min.floor() as usize).max(next)..spell.end_min.ceil() as usize;
             next = touched.end;
             for start in touched {
                 let Some(step) = Step::new([0.0, 1.0].map(|later| day.sun(start as f64 + later))) else { continue };
-                let [from, to] = step.edges.map(|edge| sector_of(edge.to_angle()));
-                let count = (to + SECTORS - from) % SECTORS;
-                for sector in 0..=count {
-                    by_sector[(from + sector) % SECTORS].push(steps.len() as u16);
-                }
-                steps.push(step);
-                starts_min.push(start as f64);
+                let [right, left] = step.edges.map(|edge| sector_of(edge.to_angle()));
+                all.widest = all.widest.max((left + SECTORS - right) % SECTORS);
+                all.by_sector[right].push(all.steps.len() as u16);
+                all.steps.push(step);
+                all.starts_min.push(start as f64);
             }
         }
-        DaySteps { steps, starts_min, by_sector }
+        all
     }
 
     /// Returns the minutes of each step that lie within spells.
@@ -80,8 +80,8 @@ impl DaySteps {
         left
     }
 
-    /// Hands on each chosen step whose rays from `place` pass over a square of a node, with the
-    /// node and the height to which the rays let a building rise there.
+    /// Hands on each chosen step whose rays from `place` pass over a square of a node, once for
+    /// each such node, with the height to which the rays let a building rise there.
     ///
     /// A square that a ray passes over has each of its nodes below the plane of the ray's minute,
     /// so all of its surface is.
@@ -99,18 +99,16 @@ impl DaySteps {
             let (first, count) = if distance_m > 2.0 * reach_m {
                 // The tangent is larger than the arc, and needs no trigonometry.
                 let half = reach_m / (distance_m * distance_m - reach_m * reach_m).sqrt();
-                let first = sector_of(to.to_angle() - half);
-                (first, ((2.0 * half / TAU * SECTORS as f64).ceil() as usize + 1).min(SECTORS))
+                let first = sector_of(to.to_angle() - half) + SECTORS - self.widest;
+                let count = (2.0 * half / TAU * SECTORS as f64).ceil() as usize + 1 + self.widest;
+                (first, count.min(SECTORS))
             } else {
                 (0, SECTORS)
             };
-            let mut last = None;
             for sector in 0..count {
                 for step in &self.by_sector[(first + sector) % SECTORS] {
                     let index = usize::from(*step);
-                    // A step that lies in two sectors comes twice.
-                    let is_new = last.replace(index).is_none_or(|last| last != index);
-                    if is_new && is_chosen(index) && self.steps[index].passes(to, reach_m) {
+                    if is_chosen(index) && self.steps[index].passes(to, reach_m) {
                         each(index, number, place.z + self.steps[index].slope.dot(to) - KEPT_CLEAR_M);
                     }
                 }

@@ -63,13 +63,12 @@ impl Grid {
                 let node = row * (columns + 1) + column;
                 let around = [node, node + 1, node + columns + 2, node + columns + 1];
                 let corners = around.map(|node| place(node % (columns + 1), node / (columns + 1)));
-                if !area.holds(corners) || around.iter().any(|node| grounds[*node].is_none()) {
+                let [Some(a), Some(b), Some(c), Some(d)] = around.map(|node| grounds[node]) else { continue };
+                if !area.holds(corners) {
                     continue;
                 }
-                let square = [0, 1, 2, 3].map(|corner| {
-                    let node = around[corner];
-                    *numbers[node].get_or_insert_with(|| {
-                        let ground_m = grounds[node].unwrap_or_default();
+                let square = [(0, a), (1, b), (2, c), (3, d)].map(|(corner, ground_m)| {
+                    *numbers[around[corner]].get_or_insert_with(|| {
                         self.nodes.push(Node { at: corners[corner], ground_m, area_m2: 0.0, plot });
                         self.nodes.len() - 1
                     })

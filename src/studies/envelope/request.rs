@@ -111,6 +111,12 @@ fn output_help() -> heliotile_requests::Message {
     table_help("Table of nodes to write: places in plan, the ground, and the height that a building may have there")
 }
 
+/// Returns the error for a request without hours and without a rule.
+fn nothing_asked() -> Error {
+    let hint = "give {hours} 2 and {dates} 03-21, or {rule} with a name such as tno-light";
+    Error::argument("hours, rule", "neither hours nor a rule is given", hint).because(Problem::Missing)
+}
+
 /// Need of places by a rule, or by hours.
 struct Asked {
     minutes: f64,
@@ -190,12 +196,7 @@ impl EnvelopeRequest {
         plot.check()?;
         let rules = read_rules(&self.sun.rules)?;
         match (self.hours, rules.as_slice()) {
-            (None, []) => {
-                let hint = "give {hours} 2 and {dates} 03-21, or {rule} with a name such as tno-light";
-                return Err(
-                    Error::argument("hours, rule", "neither hours nor a rule is given", hint).because(Problem::Missing)
-                );
-            }
+            (None, []) => return Err(nothing_asked()),
             (Some(_), [_, ..]) => {
                 return Err(Error::argument("hours", "is given, and a rule too", "leave one of them out")
                     .because(Problem::excludes("rule")));
@@ -243,7 +244,7 @@ impl EnvelopeRequest {
         let asks: Vec<(Asked, Vec<usize>)> = match &asked {
             RowSubject::Dates(_) => {
                 let all = (0..plan.dates.len()).map(|number| steps(number, None)).collect();
-                let minutes = 60.0 * self.hours.unwrap_or_default();
+                let minutes = 60.0 * self.hours.ok_or_else(nothing_asked)?;
                 vec![(Asked { minutes, together: DaysTogether::Each, choice: Choice::Any, former_share: None }, all)]
             }
             RowSubject::Rules(rules) => {

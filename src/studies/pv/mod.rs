@@ -182,8 +182,7 @@ fn run(request: &PvRequest, about: Provenance, resources: &Resources) -> Result<
     };
     let traced = with_modules.as_ref().unwrap_or(&scene);
     let receivers = spots.write_receivers(&ground, beside.path(), north)?;
-    let accuracy = if laid.is_some() { request.accuracy.for_modules() } else { request.accuracy.clone() };
-    let accuracy = accuracy.beside(Some(&request.weather), &request.about_weather);
+    let accuracy = request.accuracy();
     let build =
         SiteBuild { memory: resources.memory, files: resources.files, ..SiteBuild::new(traced, &receivers, &accuracy) };
     let folder = SiteFolder {

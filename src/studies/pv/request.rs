@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::energy::EnergyRequest;
 use heliotile_builder::planning::AccuracyRequest;
+use heliotile_builder::settings::Quality;
 use heliotile_core::orientation::fan::OrientationLimits;
 use heliotile_core::replay::reflectances::Snow;
 use heliotile_core::sky::model::SkyModel;
@@ -33,7 +34,8 @@ pub struct PvRequest {
     /// Rows of modules, TOML: each table `rows` has a name, an area, a surface or a number of rows
     /// and modules, tilt, azimuth, pitch, width, height. Modules shade each other, reflect light to
     /// each other, and have a front and a rear. `ground = 0.5` adds receivers on the ground among
-    /// the rows, 0.5 m apart, with the light that plants use.
+    /// the rows, 0.5 m apart, with the light that plants use. A --quality is finer for rows than
+    /// for points: the shade on the ground below them decides the light of their rears.
     #[field(short = 'r', metavar = "FILE", input = Any)]
     pub rows: Option<PathBuf>,
     /// Bifaciality, the share of the light on the rear that is added to that on the front, for
@@ -110,6 +112,21 @@ impl PvRequest {
         self.points.as_deref().or(self.rows.as_deref()).unwrap_or(Path::new(""))
     }
 
+    /// Returns the accuracy of the build. Nearly all light of a rear comes from ground within some
+    /// metres, on which the rows' own shade lies, so for rows probes and cells are finer than a
+    /// quality has them for buildings (`tools/pv/run rears`). Settings by name come after these.
+    pub(super) fn accuracy(&self) -> AccuracyRequest {
+        let is_finer = self.rows.is_some() && self.accuracy.error_percent.is_none();
+        let finer: &[&str] = match self.accuracy.quality {
+            Quality::Standard if is_finer => &["probe=32", "cell_factor=2"],
+            Quality::Fine if is_finer => &["probe=64", "cell_factor=1"],
+            Quality::Reference if is_finer => &["probe=128", "cell_factor=2"],
+            _ => &[],
+        };
+        let set = finer.iter().map(|text| (*text).to_owned()).chain(self.accuracy.set.iter().cloned()).collect();
+        AccuracyRequest { set, ..self.accuracy.beside(Some(&self.weather), &self.about_weather) }
+    }
+
     /// Returns the orientations that a search may choose.
     pub(super) fn limits(&self) -> OrientationLimits {
         OrientationLimits { tilts_deg: self.tilts_deg, azimuths_deg: self.azimuths_deg }
@@ -151,6 +168,21 @@ fn parse_azimuths(text: &str) -> std::result::Result<[f64; 2], String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Rows at `standard` have probes of 32 and cells of 2 footprints, a setting by name replaces
+    /// one of them, and points have those of buildings, 16 and 4.
+    #[test]
+    fn rows_are_traced_finer_than_points() {
+        let of = |request: &PvRequest| {
+            let settings = request.accuracy().settings().expect("settings");
+            (settings.probe, settings.cell_factor)
+        };
+        let points = PvRequest::default();
+        let rows = PvRequest { rows: Some("rows.toml".into()), ..PvRequest::default() };
+        assert_eq!((of(&points), of(&rows)), ((16, 4.0), (32, 2.0)));
+        let own = AccuracyRequest { set: vec!["probe=64".into()], ..AccuracyRequest::default() };
+        assert_eq!(of(&PvRequest { accuracy: own, ..rows }), (64, 2.0));
+    }
 
     /// Ranges, one number and a sector over north are read; 7 wrong texts are refused.
     #[test]

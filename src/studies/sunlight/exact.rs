@@ -24,7 +24,8 @@ const BISECTIONS: usize = 6;
 pub fn scene_of(archive: &Archive) -> Result<Scene> {
     if !archive.has(format::SCENE, TileNumber::FIRST) {
         let what = "the archive does not hold its scene, so no ray can be cast";
-        let hint = "build it again without {no_scene}; {exact}, {spells}, {panes}, calendars and {command:envelope} need the scene";
+        let hint = "build it again without {no_scene}; {exact}, {spells}, {panes}, calendars and \
+                    {command:envelope} need the scene";
         return Err(Error::input(archive.path(), None, what, hint).because(Problem::Lacks("scene")));
     }
     let held = held_scene(archive)?;
