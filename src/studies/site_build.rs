@@ -385,17 +385,20 @@ impl SiteBuild<'_> {
         }
         let archive = match Archive::open_with(path, Access::Read) {
             Ok(archive) => archive,
-            Err(error) => return Ok(ArchiveState::Other(vec![message!("site.helio cannot be read ({error:#})")])),
+            Err(error) => {
+                return Ok(ArchiveState::Other(vec![message!("{} cannot be read ({error:#})", name_of(path))]));
+            }
         };
-        let mut others = Vec::new();
+        let mut others: Vec<Message> = Vec::new();
+        let name = &name_of(path);
         if archive.manifest().scene.content_hash != format::hex(&self.scene.content_hash()) {
-            others.push("the scene or its materials have changed since site.helio was built".into());
+            others.push(message!("the scene or its materials have changed since {name} was built"));
         }
         if self.with_scene && !holds_objects(&archive, self.scene) {
-            others.push("objects of the scene have other names than when site.helio was built".into());
+            others.push(message!("objects of the scene have other names than when {name} was built"));
         }
         if archive.manifest().ground != self.scene.ground {
-            others.push("the ground of the scene has changed since site.helio was built".into());
+            others.push(message!("the ground of the scene has changed since {name} was built"));
         }
         // Positions of the sun depend on the place.
         let same_place = match (&archive.manifest().place, &self.scene.place) {
@@ -403,10 +406,10 @@ impl SiteBuild<'_> {
             (stated, place) => stated.is_none() && place.is_none(),
         };
         if !same_place {
-            others.push("the place of the scene has changed since site.helio was built".into());
+            others.push(message!("the place of the scene has changed since {name} was built"));
         }
         if archive.manifest().settings.tracing != settings.stated().tracing {
-            others.push("site.helio was traced by another release of heliotile, whose light differs".into());
+            others.push(message!("{name} was traced by another release of heliotile, whose light differs"));
         }
         if let Some(difference) = receivers.difference(&archive)? {
             others.push(message!("the table of receivers now {difference}"));
@@ -415,7 +418,7 @@ impl SiteBuild<'_> {
         others.extend(other_effects(&archive, self.under));
         if archive.has(format::SCENE, TileNumber::FIRST) != self.with_scene {
             let there = if self.with_scene { "leaves out" } else { "holds" };
-            others.push(message!("site.helio {there} the triangles of the scene"));
+            others.push(message!("{name} {there} the triangles of the scene"));
         }
         Ok(if others.is_empty() { ArchiveState::Same(Box::new(archive)) } else { ArchiveState::Other(others) })
     }
@@ -448,7 +451,8 @@ fn other_accuracy(archive: &Archive, settings: &BuildSettings, asked: &AccuracyR
             }
         }
     };
-    Some(Message::from("site.helio was built with ").and(there).and(", not ").and(wanted))
+    let name = name_of(archive.path());
+    Some(message!("{name} was built with ").and(there).and(", not ").and(wanted))
 }
 
 /// Returns how the effects that an archive leaves out differ from those that `asked` allows; `None`
@@ -461,7 +465,13 @@ fn other_effects(archive: &Archive, asked: Option<EffectsUnder>) -> Option<Messa
     }
     let now =
         allowed.map_or("all effects".into(), |(weather, percent)| message!("{{negligible}} {percent}% and {weather}"));
-    Some(message!("site.helio was built with {{negligible}} {}% and {}, not ", there.percent, there.weather).and(now))
+    let name = name_of(archive.path());
+    Some(message!("{name} was built with {{negligible}} {}% and {}, not ", there.percent, there.weather).and(now))
+}
+
+/// Returns the name of a file without its folder.
+fn name_of(path: &Path) -> String {
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }
 
 /// Table of receivers that is written but not yet in its place.

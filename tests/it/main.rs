@@ -50,6 +50,7 @@ mod plan;
 mod pv;
 mod pv_energy;
 mod pv_ground;
+mod pv_trackers;
 mod reader;
 mod reflectance;
 #[cfg(feature = "remote")]

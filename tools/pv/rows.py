@@ -32,9 +32,9 @@ def sky_share(y, z, normal, rows, skip=None, angles=20000):
     return phi, weight, nearest
 
 
-def ground_light(y, rows):
+def ground_light(y, rows, angles=20000):
     """Share of the sky that a place of the ground sees."""
-    phi, weight, met = sky_share(y, 0.0, np.pi / 2, rows)
+    phi, weight, met = sky_share(y, 0.0, np.pi / 2, rows, angles=angles)
     return weight[~met & (phi < np.pi)].sum()
 
 

@@ -48,39 +48,50 @@ def by_pvlib(case, hours, frame):
     return np.mean(sums, axis=0)
 
 
-def resolved(case, hours, frame):
-    """The diffuse light of front and rear, hour by hour, where each place of the ground is in the sun or in shade: `[part][hour]`."""
-    tilt, azimuth, pitch, height, albedo = case
-    count, bins = 60, 400
+def shares(tilt, pitch, height, bins=400, samples=200, angles=20000, count=60):
+    """What the middle row of a cut sees: ends of the row, shares of the sky of front and rear, those of each strip of the ground, the sky of each strip."""
     of_rows = rows.strips(tilt, pitch, height - 0.5 * SLOPE * np.sin(np.radians(tilt)), count)
     ys = (np.arange(bins) + 0.5) / bins * pitch
-    of_sky = np.array([rows.ground_light(y, of_rows) for y in ys])
+    of_sky = np.array([rows.ground_light(y, of_rows, angles) for y in ys])
     (y0, z0), (y1, z1) = of_rows[count]
-    # Shares of the sky, and of each strip of the ground.
     sky, ground = [], []
     for normal in (np.radians(90 + tilt), np.radians(270 + tilt)):
         open_, seen = 0.0, np.zeros(bins)
-        for share in (np.arange(200) + 0.5) / 200:
+        for share in (np.arange(samples) + 0.5) / samples:
             y, z = y0 + share * (y1 - y0), z0 + share * (z1 - z0)
-            phi, weight, met = rows.sky_share(y, z, normal, of_rows, skip=count)
-            open_ += weight[(phi < np.pi) & ~met].sum() / 200
+            phi, weight, met = rows.sky_share(y, z, normal, of_rows, skip=count, angles=angles)
+            open_ += weight[(phi < np.pi) & ~met].sum() / samples
             down = (phi >= np.pi) & ~met
             place_ = (y + z / np.tan(2 * np.pi - phi[down])) % pitch
-            np.add.at(seen, np.minimum((place_ / pitch * bins).astype(int), bins - 1), weight[down] / 200)
+            np.add.at(seen, np.minimum((place_ / pitch * bins).astype(int), bins - 1), weight[down] / samples)
         sky.append(open_)
         ground.append(seen)
+    return np.array(((y0, z0), (y1, z1))), np.array(sky), np.array(ground), of_sky
+
+
+def diffuse(seen, pitch, albedo, zenith, off, dni, dhi):
+    """Diffuse light of front and rear under a sun `off` the azimuth of the fronts, radians, where each place of the ground is in the sun or in shade."""
+    ((y0, z0), (y1, z1)), sky, ground, of_sky = seen
+    bins = len(of_sky)
+    ys = (np.arange(bins) + 0.5) / bins * pitch
+    # The cut's axis leads away from where fronts look; shadows fall away from the sun.
+    slope = -np.cos(off) * np.tan(zenith)
+    a, b = sorted((y0 - z0 * slope, y1 - z1 * slope))
+    shaded = ((ys - a) % pitch < b - a) if b - a < pitch else np.full(bins, True)
+    of_ground = dhi * of_sky + dni * np.cos(zenith) * ~shaded
+    return dhi * sky + albedo * ground @ of_ground
+
+
+def resolved(case, hours, frame):
+    """The diffuse light of front and rear, hour by hour: `[side][hour]`."""
+    tilt, azimuth, pitch, height, albedo = case
+    seen = shares(tilt, pitch, height)
     total = np.zeros((2, len(hours)))
     for step in range(STEPS):
         sun = place().get_solarposition(hours + pd.Timedelta(minutes=60 * (step + 0.5) / STEPS))
         zenith, off = np.radians(sun["zenith"].to_numpy()), np.radians(sun["azimuth"].to_numpy() - azimuth)
         for i, (dni, dhi) in enumerate(zip(frame["dni"], frame["dhi"])):
-            # The cut's axis leads away from where fronts look; shadows fall away from the sun.
-            slope = -np.cos(off[i]) * np.tan(zenith[i])
-            a, b = sorted((y0 - z0 * slope, y1 - z1 * slope))
-            shaded = ((ys - a) % pitch < b - a) if b - a < pitch else np.full(bins, True)
-            of_ground = dhi * of_sky + dni * np.cos(zenith[i]) * ~shaded
-            for side in (0, 1):
-                total[side, i] += (dhi * sky[side] + albedo * ground[side] @ of_ground) / STEPS
+            total[:, i] += diffuse(seen, pitch, albedo, zenith[i], off[i], dni, dhi) / STEPS
     return total
 
 

@@ -8,9 +8,10 @@ import horizon
 import rears
 import rows
 import sheds
+import trackers
 import walls
 
-PARTS = {"field": field.main, "walls": walls.main, "rows": rows.main, "rears": rears.main, "sheds": sheds.main, "ground": ground.main, "horizon": horizon.main}
+PARTS = {"field": field.main, "walls": walls.main, "rows": rows.main, "rears": rears.main, "sheds": sheds.main, "trackers": trackers.main, "ground": ground.main, "horizon": horizon.main}
 
 for part in sys.argv[1:] or PARTS:
     print(f"## {part}", flush=True)

@@ -1696,7 +1696,7 @@ class PvOptions(TypedDict, total=False):
     """Positions of modules, CSV with columns point,x,y, z or height (metres above the roof or ground below), and tilt_deg,azimuth_deg (from true north; may be left out with `search`)."""
 
     rows: Place | None
-    """Rows of modules, TOML: each table `rows` has a name, an area, a surface or a number of rows and modules, tilt, azimuth, pitch, width, height. Modules shade each other, reflect light to each other, and have a front and a rear. `ground = 0.5` adds receivers on the ground among the rows, 0.5 m apart, with the light that plants use. A `quality` is finer for rows than for points: the shade on the ground below them decides the light of their rears."""
+    """Rows of modules, TOML: each table `rows` has a name, an area, a surface or a number of rows and modules, tilt and azimuth, or `tracker = { hub = 1.5 }` of single-axis trackers, pitch, width, height. Modules shade each other, reflect light to each other, and have a front and a rear. `ground = 0.5` adds receivers on the ground among the rows, 0.5 m apart, with the light that plants use. A `quality` is finer for rows than for points: the shade on the ground below them decides the light of their rears."""
 
     bifaciality: float | None
     """Bifaciality, the share of the light on the rear that is added to that on the front, for poa_global and the gain. Default: `0.8`."""

@@ -141,11 +141,15 @@ impl Format {
     }
 }
 
+fn is_zip(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("zip"))
+}
+
 /// Reads a scene file of any format.
 pub(super) fn read(path: &Path, asked: &ReadOptions) -> Result<Content> {
     let mut ending = input::ending(path);
     let known = |ending: &str| ENDINGS.iter().find(|(known, _)| *known == ending).map(|(_, format)| *format);
-    let packed = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("zip"));
+    let packed = is_zip(path);
     if known(&ending).is_none() && !packed {
         input::check(path)?;
         return Err(unknown_ending(path, &ending));
@@ -237,6 +241,11 @@ fn finished(mut geometry: Geometry) -> Result<Content> {
 /// the user.
 pub(super) fn read_areas(path: &Path, scene: Option<u32>) -> Result<(Vec<Outline>, Vec<Message>)> {
     input::check(path)?;
+    if is_zip(path)
+        && let Some(read) = features::zipped_areas(path, scene)?
+    {
+        return Ok(read);
+    }
     let ending = input::ending(path);
     let kind = match ENDINGS.iter().find(|(known, _)| *known == ending).map(|(_, format)| *format) {
         Some(Format::Features(kind)) if kind != FeatureFormat::TreeCsv => kind,
@@ -245,7 +254,8 @@ pub(super) fn read_areas(path: &Path, scene: Option<u32>) -> Result<(Vec<Outline
             return Err(Error::Unsupported {
                 what: format!("the areas {}", path.display()).into(),
                 found: format!("a name that ends with .{}", excerpt(ending.as_bytes())),
-                supported: "polygons as .geojson, .gpkg, .shp or .parquet, or their corners as .csv".into(),
+                supported: "polygons as .geojson, .gpkg, .shp (also in a .zip) or .parquet, or their corners as .csv"
+                    .into(),
             });
         }
     };

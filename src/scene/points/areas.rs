@@ -186,6 +186,14 @@ mod tests {
         let (areas, _) = read_areas(&file, Some(28992)).expect("areas");
         assert!((areas[0].area_m2() - 7637.0).abs() < 20.0, "{}", areas[0].area_m2());
         refused(&folder.write("areas.kml", ""), None, "ends with .kml");
+        // A shapefile in a zip has the areas of the same town as GeoPackage.
+        let town = |ending: &str| {
+            let file = format!("{}/../../tests/data/footprints/town.{ending}", env!("CARGO_MANIFEST_DIR"));
+            let (areas, _) = read_areas(Path::new(&file), Some(25832)).expect("areas");
+            (areas.len(), areas.iter().map(GroundArea::area_m2).sum::<f64>())
+        };
+        let (zipped, database) = (town("shp.zip"), town("gpkg"));
+        assert!(zipped.0 == database.0 && (zipped.1 / database.1 - 1.0).abs() < 1e-6, "{zipped:?} {database:?}");
     }
 
     /// A file without a column of numbers, and areas of two corners or on one line, are refused

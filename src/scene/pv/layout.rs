@@ -215,7 +215,9 @@ pub fn lay(rows: &RowsOfModules, north: North, outline: &Outline, below: impl Fn
                 continue;
             }
             side += rows.width_m + rows.gap_m;
-            let Some(front) = raised(&plan, up * rows.height_m, normal, rows, &below) else {
+            let module = |front| Module { name: String::new(), front, normal, thickness_m: rows.thickness_m };
+            let raised = raised(&plan, up * rows.height_m, normal, rows, &below).map(module);
+            let Some(module) = raised.filter(|module| turns_freely(module, rows, north, &below)) else {
                 laid.left_out += 1;
                 continue;
             };
@@ -223,7 +225,7 @@ pub fn lay(rows: &RowsOfModules, north: North, outline: &Outline, below: impl Fn
             laid.rows += usize::from(count == 0);
             count += 1;
             let name = format!("{}/{}/{count}", rows.name, laid.rows);
-            laid.modules.push(Module { name, front, normal, thickness_m: rows.thickness_m });
+            laid.modules.push(Module { name, ..module });
         }
     }
     laid
@@ -273,6 +275,14 @@ fn raised(
     Some(front)
 }
 
+/// Returns true if a level module reaches its largest angles without a corner below the surface.
+fn turns_freely(module: &Module, rows: &RowsOfModules, north: North, below: &impl Fn(DVec2) -> Option<f64>) -> bool {
+    let is_above = |p: DVec3| below(p.truncate()).is_none_or(|z| p.z >= z - TOUCHING_M);
+    let Some(tracker) = rows.tracker else { return true };
+    let ends = [-tracker.max_deg, tracker.max_deg].map(|angle_deg| tracker.turned(module, angle_deg, north));
+    ends.iter().flat_map(Module::rear).all(is_above)
+}
+
 impl Module {
     /// Returns the middle of the front.
     pub fn middle(&self) -> DVec3 {
@@ -314,6 +324,7 @@ pub(super) mod tests {
             name: "r".into(),
             ground: RowsGround::Area(Vec::new()),
             turn: Orientation { tilt_deg, azimuth_deg },
+            tracker: None,
             pitch_m: 3.0,
             width_m: 1.0,
             height_m: 2.0,

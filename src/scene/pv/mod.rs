@@ -3,4 +3,6 @@
 
 pub mod ground;
 pub mod layout;
+pub mod row_shade;
 pub mod rows;
+pub mod tracker;

@@ -6,6 +6,7 @@ use std::path::Path;
 use glam::DVec2;
 use serde::Deserialize;
 
+use super::tracker::Tracker;
 use crate::coordinate::MAX_COORDINATE_M;
 use crate::covering::surfaces::{Surface, Surfaces};
 use crate::points::places::Rating;
@@ -18,8 +19,8 @@ use heliotile_files::input;
 /// Largest number of modules: more are a mix-up of metres and millimetres.
 pub const MAX_MODULES: u64 = 1_000_000;
 
-const KEYS: &str = "each [[rows]] has a name, an area = [[x, y], ...], a surface = \"NAME\", or rows = 5 and modules = 10 (with at = [x, y], their middle), tilt, azimuth, pitch, width, height, and \
-                    maybe clearance, setback, gap, thickness, front, rear, samples, ground, kwp, string";
+const KEYS: &str = "each [[rows]] has a name, an area = [[x, y], ...], a surface = \"NAME\", or rows = 5 and modules = 10 (with at = [x, y], their middle), tilt and azimuth or tracker = { hub = 1.5 }, pitch, \
+                    width, height, and maybe clearance, setback, gap, thickness, front, rear, samples, ground, kwp, string";
 
 /// Rows of modules of one kind.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,8 +30,10 @@ pub struct RowsOfModules {
     pub name: String,
     /// Area or surface that the rows stand on.
     pub ground: RowsGround,
-    /// Orientation of modules, by true north; rows run across it.
+    /// Orientation of modules, by true north; rows run across it. Level for trackers.
     pub turn: Orientation,
+    /// Trackers that turn the modules; `None` of fixed rows.
+    pub tracker: Option<Tracker>,
     /// Pitch from the lower edge of a row to that of the next, in plan, metres.
     pub pitch_m: f64,
     /// Width of a module along its row, metres.
@@ -59,6 +62,23 @@ impl RowsOfModules {
     /// Returns the depth of a module in plan, metres.
     pub(super) fn depth_m(&self) -> f64 {
         self.height_m * self.turn.normal().z.max(0.0)
+    }
+
+    /// Returns the height of modules over the pitch, which backtracking depends on.
+    pub fn cover(&self) -> f64 {
+        self.height_m / self.pitch_m
+    }
+
+    /// Returns true if these rows and others have the same angle at all times, or all are fixed.
+    fn turns_like(&self, other: &RowsOfModules) -> bool {
+        match (&self.tracker, &other.tracker) {
+            (None, None) => true,
+            (Some(a), Some(b)) => {
+                let same_cover = (self.cover() - other.cover()).abs() < 1e-9;
+                Tracker { hub_m: a.hub_m, ..*b } == *a && (same_cover || !a.backtracks)
+            }
+            _ => false,
+        }
     }
 }
 
@@ -95,13 +115,13 @@ struct Entry {
     rows: Option<u32>,
     modules: Option<u32>,
     at: Option<[f64; 2]>,
-    tilt: f64,
-    azimuth: f64,
+    tilt: Option<f64>,
+    azimuth: Option<f64>,
+    tracker: Option<TrackerEntry>,
     pitch: f64,
     width: f64,
     height: f64,
-    #[serde(default)]
-    clearance: f64,
+    clearance: Option<f64>,
     #[serde(default)]
     setback: f64,
     #[serde(default)]
@@ -118,6 +138,39 @@ struct Entry {
     kwp: Option<f64>,
     #[serde(default)]
     string: String,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TrackerEntry {
+    hub: f64,
+    #[serde(default = "usual_axis")]
+    axis_azimuth: f64,
+    #[serde(default = "usual_max_angle")]
+    max_angle: f64,
+    #[serde(default = "usual_backtrack")]
+    backtrack: bool,
+    #[serde(default = "usual_step")]
+    step: f64,
+}
+
+/// Returns the default direction of axes, degrees: they lie north to south.
+fn usual_axis() -> f64 {
+    180.0
+}
+
+/// Returns the default largest angle, degrees, that of most trackers.
+fn usual_max_angle() -> f64 {
+    60.0
+}
+
+fn usual_backtrack() -> bool {
+    true
+}
+
+/// Returns the default step between traced angles, degrees.
+fn usual_step() -> f64 {
+    10.0
 }
 
 /// Returns the default thickness, metres: a pane and its frame.
@@ -146,6 +199,11 @@ pub fn read_rows(path: &Path) -> Result<Vec<RowsOfModules>> {
         let rows = checked(entry).map_err(refuse)?;
         if all.iter().any(|other| other.name == name) {
             return Err(refuse("another table has this name, too".into()));
+        }
+        if all.first().is_some_and(|first| !first.turns_like(&rows)) {
+            let what = "they do not turn like the rows above; give them a file of their own (trackers of a file have one \
+                        axis_azimuth, max_angle, backtrack and step, and with backtrack one height over pitch)";
+            return Err(refuse(what.into()));
         }
         all.push(rows);
     }
@@ -207,8 +265,27 @@ fn checked(entry: Entry) -> std::result::Result<RowsOfModules, String> {
     if entry.at.is_some() && !matches!(ground, RowsGround::Counted { .. }) {
         return Err("`at` goes with `rows` and `modules` alone".into());
     }
-    let tilt_deg = within("tilt", entry.tilt, [0.0, 90.0])?;
-    let azimuth_deg = within("azimuth", entry.azimuth, [-360.0, 360.0])?.rem_euclid(360.0);
+    let turning = |name: &str, value: f64| Ok::<f64, String>(within(name, value, [-360.0, 360.0])?.rem_euclid(360.0));
+    let (turn, tracker) = match (entry.tilt, entry.azimuth, entry.tracker) {
+        (Some(tilt), Some(azimuth), None) => {
+            let tilt_deg = within("tilt", tilt, [0.0, 90.0])?;
+            (Orientation { tilt_deg, azimuth_deg: turning("azimuth", azimuth)? }, None)
+        }
+        (None, None, Some(stated)) => {
+            let tracker = Tracker {
+                axis_deg: turning("axis_azimuth", stated.axis_azimuth)?,
+                hub_m: within("hub", stated.hub, [0.01, 1000.0])?,
+                max_deg: within("max_angle", stated.max_angle, [1.0, 90.0])?,
+                backtracks: stated.backtrack,
+                step_deg: within("step", stated.step, [1.0, 90.0])?,
+            };
+            (tracker.turn(0.0), Some(tracker))
+        }
+        (_, _, None) => return Err("`tilt` and `azimuth` belong together, or `tracker` replaces both".into()),
+        _ => return Err("`tracker` replaces `tilt` and `azimuth`; give one or the other".into()),
+    };
+    let tilt_deg = turn.tilt_deg;
+    let thickness_m = within("thickness", entry.thickness, [0.001, 1.0])?;
     let [width_m, height_m] =
         [within("width", entry.width, [0.01, 1000.0])?, within("height", entry.height, [0.01, 1000.0])?];
     let pitch_m = within("pitch", entry.pitch, [0.01, 1000.0])?;
@@ -218,20 +295,40 @@ fn checked(entry: Entry) -> std::result::Result<RowsOfModules, String> {
     }
     let metres = |name, value| within(name, value, [0.0, 1000.0]);
     let share = |name, value| within(name, value, [0.0, 1.0]);
+    let clearance_m = match (entry.clearance, tracker) {
+        (Some(_), Some(_)) => {
+            return Err("`clearance` is that of fixed rows; a tracker has `hub`, the height of its axis".into());
+        }
+        (clearance, None) => metres("clearance", clearance.unwrap_or_default())?,
+        (None, Some(Tracker { hub_m, max_deg, .. })) => {
+            let (sin, cos) = max_deg.to_radians().sin_cos();
+            let least = 0.5 * height_m * sin + thickness_m * cos;
+            if hub_m < least {
+                return Err(format!(
+                    "`hub` is {hub_m} m, but at {max_deg} degrees modules reach {least:.3} m below it"
+                ));
+            }
+            hub_m - thickness_m
+        }
+    };
+    if tracker.is_some() && entry.ground.is_some() {
+        return Err("`ground` is for fixed rows: the shade below trackers moves with them".into());
+    }
     if !(1..=100).contains(&entry.samples) {
         return Err(format!("`samples` is {}, not from 1 to 100", entry.samples));
     }
     Ok(RowsOfModules {
         name: entry.name,
         ground,
-        turn: Orientation { tilt_deg, azimuth_deg },
+        turn,
+        tracker,
         pitch_m,
         width_m,
         height_m,
-        clearance_m: metres("clearance", entry.clearance)?,
+        clearance_m,
         setback_m: metres("setback", entry.setback)?,
         gap_m: metres("gap", entry.gap)?,
-        thickness_m: within("thickness", entry.thickness, [0.001, 1.0])?,
+        thickness_m,
         reflectances: [share("front", entry.front)?, share("rear", entry.rear)?],
         samples: entry.samples,
         ground_step_m: entry.ground.map(|step| within("ground", step, [0.01, 1000.0])).transpose()?,
@@ -268,6 +365,37 @@ mod tests {
         assert_eq!(rows.ground_step_m, None);
         let with_ground = &read(&format!("{GOOD}ground = 0.5\n")).expect("rows")[0];
         assert_eq!(with_ground.ground_step_m, Some(0.5));
+    }
+
+    const TURNS: &str = "tilt = 60\nazimuth = -90\n";
+    const TRACKS: &str = "tracker = { hub = 1.2 }\n";
+
+    /// Trackers turn to 60 degrees about axes to the south; their axis is 1.2 m above the surface
+    /// below. Seven wrong ones are refused by name.
+    #[test]
+    fn trackers_have_a_hub_and_one_angle() {
+        let text = GOOD.replace(TURNS, TRACKS);
+        let rows = &read(&text).expect("rows")[0];
+        let tracker = rows.tracker.expect("tracker");
+        assert_eq!(
+            (tracker.axis_deg, tracker.max_deg, tracker.backtracks, tracker.step_deg),
+            (180.0, 60.0, true, 10.0)
+        );
+        assert!((rows.clearance_m - 1.17).abs() < 1e-12 && rows.turn.tilt_deg == 0.0, "{rows:?}");
+        let twice = |other: &str| format!("{text}{}", text.replace("\"a\"", "\"b\"").replace(TRACKS, other));
+        assert_eq!(read(&twice("tracker = { hub = 2 }\n")).expect("two hubs").len(), 2);
+        for (wrong, expected) in [
+            (text.replace(TRACKS, &format!("{TRACKS}tilt = 3\n")), "`tracker` replaces `tilt` and `azimuth`"),
+            (text.replace(TRACKS, "tilt = 3\n"), "belong together"),
+            (text.replace("hub = 1.2", "hub = 0.8"), "at 60 degrees modules reach 0.881 m below it"),
+            (text.replace(TRACKS, &format!("{TRACKS}clearance = 3\n")), "`clearance` is that of fixed rows"),
+            (text.replace(TRACKS, &format!("{TRACKS}ground = 1\n")), "`ground` is for fixed rows"),
+            (twice("tracker = { hub = 1.2, max_angle = 50 }\n"), "`b`: they do not turn like the rows above"),
+            (twice(TURNS), "`b`: they do not turn like the rows above"),
+        ] {
+            let message = read(&wrong).expect_err(expected).to_string();
+            assert!(message.contains(expected), "{message}");
+        }
     }
 
     /// Twenty wrong files are refused by name, with what is wrong.

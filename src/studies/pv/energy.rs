@@ -13,7 +13,7 @@ use heliotile_core::named::NamedValues;
 use heliotile_core::orientation::fan::Orientation;
 use heliotile_core::text::message;
 use heliotile_core::units::parse_percent;
-use heliotile_core::weather::conditions::Condition;
+use heliotile_core::weather::conditions::{Condition, Instant};
 use heliotile_requests::{DefaultRequest, Request};
 use heliotile_results::outputs::pv::energy::{ARRAY, ENERGIES, EnergySums, StringEnergy};
 use heliotile_results::outputs::pv::hourly::SideHours;
@@ -121,6 +121,18 @@ impl EnergyRequest {
     }
 }
 
+/// Returns the transmittance of a cover for the sun of an hour, weighted by the light of its
+/// positions; `cosine` gives that of the angle of incidence of each.
+pub fn mean_cover(condition: &Condition, cosine: impl Fn(usize, &Instant) -> f64) -> f64 {
+    let (mut light, mut passed) = (0.0, 0.0);
+    for (place, instant) in condition.suns.iter().enumerate() {
+        let cos = cosine(place, instant).max(0.0);
+        light += instant.weight * cos;
+        passed += instant.weight * cos * cover(cos);
+    }
+    if light > 0.0 { passed / light } else { 1.0 }
+}
+
 /// Rows of a weather file that count.
 #[derive(Clone, Copy)]
 pub struct WeatherRows<'a> {
@@ -132,7 +144,8 @@ pub struct WeatherRows<'a> {
 /// Light on a side of a module.
 pub struct SideLight<'a> {
     pub hours: &'a SideHours,
-    pub turn: Orientation,
+    /// Mean transmittance of the cover for the sun of each hour.
+    pub cover: Rc<Vec<f64>>,
     /// Share of the light that counts: 1, or the bifaciality.
     pub share: f64,
 }
@@ -225,36 +238,26 @@ impl<'a> Plant<'a> {
     }
 
     /// Adds the light on the sides of a module.
-    pub fn add(&mut self, spot: usize, sides: &[SideLight], series: &Series) {
+    pub fn add(&mut self, spot: usize, sides: &[SideLight]) {
         let Some((string, kw)) = self.ratings.get(spot).copied() else { return };
-        let covers: Vec<Rc<Vec<f64>>> = sides.iter().map(|side| self.cover_of(side.turn, series)).collect();
         let per_k = self.request.temperature_coefficient / 100.0;
         let kept = 1.0 - self.request.losses / 100.0;
         let Some(string) = self.strings.get_mut(string) else { return };
         for (hour, (sum, [excess, air_c])) in string.dc_kw.iter_mut().zip(&self.air).enumerate() {
             let (mut all, mut effective) = (0.0, 0.0);
-            for (side, cover) in sides.iter().zip(&covers) {
+            for side in sides {
                 let [sun, rest] = side.hours.sun_and_rest(hour);
                 all += side.share * (sun + rest);
-                effective += side.share * (sun * cover.get(hour).copied().unwrap_or(1.0) + rest);
+                effective += side.share * (sun * side.cover.get(hour).copied().unwrap_or(1.0) + rest);
             }
             *sum += kw * kept * dc(effective, air_c + excess * all, per_k);
         }
     }
 
-    /// Returns the transmittance of the cover for the sun of each hour, weighted by the light of
-    /// its positions.
-    fn cover_of(&mut self, turn: Orientation, series: &Series) -> Rc<Vec<f64>> {
+    /// Returns the transmittance of the cover of a fixed side for the sun of each hour.
+    pub fn cover_of(&mut self, turn: Orientation, series: &Series) -> Rc<Vec<f64>> {
         let normal = turn.normal();
-        let mean = |condition: &Condition| {
-            let (mut light, mut passed) = (0.0, 0.0);
-            for instant in &condition.suns {
-                let cos = normal.dot(instant.sun).max(0.0);
-                light += instant.weight * cos;
-                passed += instant.weight * cos * cover(cos);
-            }
-            if light > 0.0 { passed / light } else { 1.0 }
-        };
+        let mean = |condition: &Condition| mean_cover(condition, |_, instant| normal.dot(instant.sun));
         let key = normal.to_array().map(f64::to_bits);
         let of = || Rc::new(series.conditions.iter().map(mean).collect());
         Rc::clone(self.covers.entry(key).or_insert_with(of))

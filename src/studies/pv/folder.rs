@@ -1,25 +1,39 @@
 //! Folder of `pv`: the files it holds, and checks before they are written. In: a request, the
 //! results. Out: names, and a refusal if results of other inputs would be lost.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::modules::{GEOMETRY, MATERIALS, PLAIN};
 use super::request::PvRequest;
 use super::spots::Spots;
 use crate::run::made_from::MadeFrom;
+use crate::site_build::KEEP_OR_REPLACE;
 use heliotile_core::archive::Archive;
-use heliotile_core::error::Result;
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_files::writing::guards::guard_archive;
 use heliotile_results::outputs::pv::{horizon, shade};
 use heliotile_results::outputs::tables::format::files_of;
+use heliotile_scene::pv::tracker::Tracker;
 use heliotile_scene::site::SceneFiles;
 use heliotile_scene::site::guard_site;
 use heliotile_weather::series::Weather;
 
+/// Name of the archive of fixed modules, and of the folder with those of trackers.
+const SITE: &str = "site.helio";
+const ANGLES: &str = "angles";
+
+/// Returns the name of the archive of trackers at an angle, degrees, relative to the folder.
+fn archive_at(angle_deg: f64) -> String {
+    // Adding 0 leaves no -0.
+    format!("{ANGLES}/{}.helio", (angle_deg * 100.0).round() / 100.0 + 0.0)
+}
+
 /// Files of the folder.
 pub struct PvFolder {
     pub folder: PathBuf,
-    pub archive: PathBuf,
+    /// Archive of the modules, or those of trackers at each traced angle.
+    pub archives: Vec<PathBuf>,
     pub points: PathBuf,
     pub months: PathBuf,
     /// Tables of receivers on the ground, if there are any: a row each, and their months.
@@ -41,11 +55,14 @@ pub struct PvFolder {
 impl PvFolder {
     /// Returns the files of a request; `has_ground` is true if there are receivers on the ground,
     /// `has_power` if modules have a rated power.
-    pub fn new(request: &PvRequest, has_ground: bool, has_power: bool) -> Self {
+    pub fn new(request: &PvRequest, tracker: Option<Tracker>, has_ground: bool, has_power: bool) -> Self {
         let folder = request.folder.clone();
         let file = |name: &str| folder.join(name);
         PvFolder {
-            archive: file("site.helio"),
+            archives: match tracker {
+                Some(tracker) => tracker.angles_deg().iter().map(|angle| file(&archive_at(*angle))).collect(),
+                None => vec![file(SITE)],
+            },
             points: file("points.csv"),
             months: file("months.csv"),
             ground: has_ground.then(|| ["ground.csv", "ground_months.csv"].map(file)),
@@ -59,6 +76,11 @@ impl PvFolder {
             turns: file("turns"),
             folder,
         }
+    }
+
+    /// Returns the archive of the modules, of trackers that of the level ones.
+    pub fn archive(&self) -> &Path {
+        self.archives.get(self.archives.len() / 2).map_or(Path::new(""), PathBuf::as_path)
     }
 
     /// Returns the path of a point's horizon, relative to the folder.
@@ -97,20 +119,39 @@ impl PvFolder {
             request.energy.value.as_deref(),
         ];
         let tables = self.tables(request);
-        let outputs = tables.iter().flat_map(|table| files_of(table)).chain([self.archive.clone()]);
+        let outputs = tables.iter().flat_map(|table| files_of(table)).chain(self.archives.iter().cloned());
         let outputs = outputs.chain(["receivers.csv", GEOMETRY, MATERIALS, PLAIN].map(|name| self.folder.join(name)));
         for output in outputs {
             guard_site(&output, site, &inputs)?;
         }
-        guard_archive(&self.archive)
+        self.archives.iter().try_for_each(|archive| guard_archive(archive))
     }
 
-    /// Refuses to replace results of other weather, before any work.
+    /// Refuses to replace results of other weather or of other modules, before any work.
     pub fn check_weather(&self, weather: &Weather, request: &PvRequest) -> Result<()> {
         if request.replace {
             return Ok(());
         }
+        if let Some(other) = self.other_archives()?.first() {
+            let what = format!("holds {}, an archive of other modules or angles", other.display());
+            return Err(Error::input(&self.folder, None, what, KEEP_OR_REPLACE).because(Problem::OtherInputs));
+        }
         MadeFrom::check(&self.folder, weather, self.tables(request).into_iter().map(Path::to_owned))
+    }
+
+    /// Returns archives of modules in the folder that a run with other rows left.
+    fn other_archives(&self) -> Result<Vec<PathBuf>> {
+        let angles = self.folder.join(ANGLES);
+        let mut all = vec![self.folder.join(SITE)];
+        if angles.is_dir() {
+            for entry in fs::read_dir(&angles).map_err(Error::io(&angles, "list"))? {
+                all.push(entry.map_err(Error::io(&angles, "list"))?.path());
+            }
+        }
+        let is_other = |path: &PathBuf| path.extension().is_some_and(|end| end == "helio") && path.is_file();
+        all.retain(|path| is_other(path) && !self.archives.contains(path));
+        all.sort();
+        Ok(all)
     }
 
     /// Records that the folder belongs to this archive and weather, so that results can be written
@@ -129,7 +170,8 @@ impl PvFolder {
             names.extend(shade::LAYOUTS.map(|name| format!("shade/{name}")));
         }
         let mut now = MadeFrom::new(archive, weather, &request.weather, names);
-        now.claim(&self.folder, request.replace)
+        now.claim(&self.folder, request.replace)?;
+        self.other_archives()?.iter().try_for_each(|other| fs::remove_file(other).map_err(Error::io(other, "remove")))
     }
 
     /// Returns the names of the tables, relative to the folder.

@@ -16,10 +16,12 @@ mod shade;
 mod spots;
 mod summary;
 mod tables;
+mod tracked;
 mod worth;
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use crate::site_build::{FolderOption, SiteBuild, SiteFolder};
 use energy::{Plant, WeatherRows};
@@ -27,10 +29,12 @@ use folder::PvFolder;
 use ground::GroundSpot;
 use heliotile_builder::pipeline::PreparedScene;
 use heliotile_builder::siting::Siting;
-use heliotile_core::error::{Error, Result, check_ranges};
+use heliotile_core::archive::Archive;
+use heliotile_core::error::{Error, Problem, Result, check_ranges};
 use heliotile_core::observer::Observer;
 use heliotile_core::site::north::North;
 use heliotile_core::weather::options::WeatherOptions;
+use heliotile_files::writing::copy::folder_of;
 use heliotile_results::outputs::provenance::Provenance;
 use heliotile_results::resources::Resources;
 use heliotile_scene::Scene;
@@ -38,6 +42,7 @@ use heliotile_scene::covering::surfaces::Surfaces;
 use heliotile_scene::load::ObjectTriangles;
 use heliotile_scene::points::places::{PlacePoint, PointDefaults, read_points};
 use heliotile_scene::pv::rows::{RowsOfModules, read_rows};
+use heliotile_scene::pv::tracker::Tracker;
 use heliotile_scene::site::{Part, SceneFiles};
 use heliotile_weather::distance::far_apart;
 use light::Light;
@@ -45,6 +50,7 @@ use modules::{GEOMETRY, LaidRows, MATERIALS, PLAIN, plain_below};
 use spots::Spots;
 use tables::Results;
 use tempfile::NamedTempFile;
+use tracked::{TrackedLight, Tracking};
 
 pub use energy::{EnergyRequest, Mounting};
 pub use request::PvRequest;
@@ -90,6 +96,14 @@ impl ModuleSource {
         Ok(Some(file))
     }
 
+    /// Returns the trackers of rows, which all turn alike; `None` of fixed modules.
+    fn tracker(&self) -> Option<Tracker> {
+        match self {
+            ModuleSource::Rows(all) => all.first().and_then(|rows| rows.tracker),
+            ModuleSource::Points(_) => None,
+        }
+    }
+
     /// Returns true if modules state a rated power.
     fn has_power(&self) -> bool {
         match self {
@@ -126,7 +140,13 @@ fn run(request: &PvRequest, about: Provenance, resources: &Resources) -> Result<
     let mut site = request.scene.site()?;
     let wanted = request.wanted(observer)?;
     let has_power = request.energy.kwp.is_some() || wanted.has_power();
-    let files = PvFolder::new(request, wanted.has_ground(), has_power);
+    let tracker = wanted.tracker();
+    if tracker.is_some() && request.shade {
+        let hint = "leave {shade} out: beam.csv and its kin hold one share for each direction of the sun";
+        return Err(Error::argument("shade", "is for fixed modules, and the shade of trackers turns", hint)
+            .because(Problem::excludes("tracker")));
+    }
+    let files = PvFolder::new(request, tracker, wanted.has_ground(), has_power);
     files.guard(&site, request)?;
     let plain = wanted.plain(request)?;
     if let Some(plain) = &plain {
@@ -172,50 +192,57 @@ fn run(request: &PvRequest, about: Provenance, resources: &Resources) -> Result<
         false => Vec::new(),
     };
     spots.turn_unturned(&searched);
-    // Modules shade and reflect, so they are part of the traced scene.
-    let with_modules = match &laid {
-        Some(laid) => {
-            laid.add_to(&mut site, beside.path())?;
-            Some(Scene::load_site(&site)?)
+    let build = ModuleBuild { request, site: &site, scene: &scene, files: &files, resources, north };
+    let kept = beside.path();
+    let archives = match (tracker, &laid) {
+        (Some(tracker), Some(laid)) => {
+            let angle = |(angle_deg, path): (f64, &PathBuf)| {
+                // The folder keeps the files of level modules.
+                let folder = if angle_deg == 0.0 { kept.to_owned() } else { kept.join("angle") };
+                fs::create_dir_all(&folder).map_err(Error::io(&folder, "create"))?;
+                let turned = laid.at(angle_deg);
+                build.trace(&Spots::of_modules(turned.modules(), &siting), &[], Some(&turned), path, &folder)
+            };
+            let angles = tracker.angles_deg().into_iter().zip(&files.archives);
+            angles.map(angle).collect::<Result<Vec<_>>>()?
         }
-        None => None,
+        _ => vec![build.trace(&spots, &ground, laid.as_ref(), files.archive(), kept)?],
     };
-    let traced = with_modules.as_ref().unwrap_or(&scene);
-    let receivers = spots.write_receivers(&ground, beside.path(), north)?;
-    let accuracy = request.accuracy();
-    let build =
-        SiteBuild { memory: resources.memory, files: resources.files, ..SiteBuild::new(traced, &receivers, &accuracy) };
-    let folder = SiteFolder {
-        folder: &files.folder,
-        archive: &files.archive,
-        replace: request.replace,
-        named_by: FolderOption::Output,
-    };
-    let archive = build.ensure(&folder, observer)?;
+    let archive = &archives[archives.len() / 2];
     if let Some(plain) = &plain {
+        // A copy would keep the mode of a temporary file, which only its owner can read.
+        let text = fs::read(plain.path()).map_err(Error::io(plain.path(), "read"))?;
         let to = beside.path().join(PLAIN);
-        fs::copy(plain.path(), &to).map_err(Error::io(&to, "write"))?;
+        fs::write(&to, text).map_err(Error::io(&to, "write"))?;
     }
     let modules: &[&str] = if laid.is_some() { &[GEOMETRY, MATERIALS] } else { &[] };
     for name in ["receivers.csv"].iter().chain(modules).chain(plain.as_ref().map(|_| &PLAIN)) {
         let to = files.folder.join(name);
         fs::rename(beside.path().join(name), &to).map_err(Error::io(&to, "rename to"))?;
     }
-    observer.stop_if_cancelled("after site.helio was complete")?;
-    files.claim(&archive, &weather, request, &spots)?;
+    observer.stop_if_cancelled("after the archive was complete")?;
+    files.claim(archive, &weather, request, &spots)?;
+    let tracked = match (tracker, &laid) {
+        (Some(tracker), Some(laid)) => {
+            let tracking = Tracking::new(laid, tracker, Arc::clone(&light.hours(archive)?.conditions));
+            Some(TrackedLight::new(tracking, &light, &archives, &spots, &prepared, beside.path())?)
+        }
+        _ => None,
+    };
 
     let about = about
-        .with_archive(&files.archive, &archive)
+        .with_archive(files.archive(), archive)
         .with_weather(&request.weather, &weather)
-        .with_option("steps", light.steps(&archive))
+        .with_option("steps", light.steps(archive))
         .with_option("patches", archive.manifest().settings.patches());
     let results = Results {
         request,
         files: &files,
         light: &light,
-        archive: &archive,
+        archive,
         spots: &spots,
         ground: &ground,
+        tracked: tracked.as_ref(),
         about: &about,
     };
     let (sides, on_ground, energy) = results.write(&scene, &siting, north, plant)?;
@@ -225,7 +252,55 @@ fn run(request: &PvRequest, about: Provenance, resources: &Resources) -> Result<
     light.notes(request).iter().for_each(|text| observer.note(text));
     let mut table = summary::table(&sides, &searched, &on_ground, &request.weather);
     table.extend(energy.map(|energy| format!("\n{}", energy.sentence())));
-    Ok(PvDone { files: files.names(request), folder: files.folder, archive: files.archive, table })
+    let archive = files.archive().to_owned();
+    Ok(PvDone { files: files.names(request), archive, folder: files.folder, table })
+}
+
+/// How modules are traced.
+struct ModuleBuild<'a> {
+    request: &'a PvRequest,
+    site: &'a SceneFiles,
+    /// Scene without modules.
+    scene: &'a Scene,
+    files: &'a PvFolder,
+    resources: &'a Resources<'a>,
+    north: North,
+}
+
+impl ModuleBuild<'_> {
+    /// Returns the archive of modules, which shade and reflect: they are part of the traced scene.
+    /// Their files and the receivers go to `beside`.
+    fn trace(
+        &self,
+        spots: &Spots,
+        ground: &[GroundSpot],
+        laid: Option<&LaidRows>,
+        archive: &Path,
+        beside: &Path,
+    ) -> Result<Archive> {
+        let with_modules = match laid {
+            Some(laid) => {
+                let mut site = self.site.clone();
+                laid.add_to(&mut site, beside)?;
+                Some(Scene::load_site(&site)?)
+            }
+            None => None,
+        };
+        let traced = with_modules.as_ref().unwrap_or(self.scene);
+        let receivers = spots.write_receivers(ground, beside, self.north)?;
+        let accuracy = self.request.accuracy();
+        let Resources { memory, files, observer, .. } = *self.resources;
+        let build = SiteBuild { memory, files, ..SiteBuild::new(traced, &receivers, &accuracy) };
+        let parent = folder_of(archive);
+        fs::create_dir_all(parent).map_err(Error::io(parent, "create"))?;
+        let folder = SiteFolder {
+            folder: &self.files.folder,
+            archive,
+            replace: self.request.replace,
+            named_by: FolderOption::Output,
+        };
+        build.ensure(&folder, observer)
+    }
 }
 
 /// Loads the scene; its objects are loaded only for rows, which may name surfaces.

@@ -50,6 +50,7 @@ pub struct LaidRows {
 }
 
 /// Rows of one kind of module on their area.
+#[derive(Clone)]
 pub struct Field {
     pub rows: RowsOfModules,
     pub modules: Vec<Module>,
@@ -131,6 +132,20 @@ impl LaidRows {
     /// Returns all fields, in the order of the file.
     pub fn fields(&self) -> &[Field] {
         &self.fields
+    }
+
+    /// Returns the rows with all modules at an angle of their trackers, degrees.
+    pub fn at(&self, angle_deg: f64) -> LaidRows {
+        let field = |field: &Field| {
+            let Some(tracker) = field.rows.tracker else { return field.clone() };
+            let turned = |module: &Module| tracker.turned(module, angle_deg, field.north);
+            Field {
+                rows: RowsOfModules { turn: tracker.turn(angle_deg), ..field.rows.clone() },
+                modules: field.modules.iter().map(turned).collect(),
+                ..field.clone()
+            }
+        };
+        LaidRows { fields: self.fields.iter().map(field).collect() }
     }
 
     /// Returns all modules, with their rows.

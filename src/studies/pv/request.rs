@@ -32,8 +32,9 @@ pub struct PvRequest {
     #[field(short = 'p', metavar = "FILE", input = Any)]
     pub points: Option<PathBuf>,
     /// Rows of modules, TOML: each table `rows` has a name, an area, a surface or a number of rows
-    /// and modules, tilt, azimuth, pitch, width, height. Modules shade each other, reflect light to
-    /// each other, and have a front and a rear. `ground = 0.5` adds receivers on the ground among
+    /// and modules, tilt and azimuth, or `tracker = { hub = 1.5 }` of single-axis trackers, pitch,
+    /// width, height. Modules shade each other, reflect light to each other, and have a front and
+    /// a rear. `ground = 0.5` adds receivers on the ground among
     /// the rows, 0.5 m apart, with the light that plants use. A --quality is finer for rows than
     /// for points: the shade on the ground below them decides the light of their rears.
     #[field(short = 'r', metavar = "FILE", input = Any)]

@@ -29,11 +29,11 @@ pub fn table(sides: &[SideSums], searched: &[PointSearch], ground: &SumsOnGround
         let [sun, sky, sun_reflected, sky_reflected, sun_mirrored, sky_mirrored] = side.months.parts();
         let name = [side.point.as_str(), side.side].join(" ");
         let loss = side.loss_percent().map_or_else(|| "-".to_owned(), |loss| format!("{loss:.2}"));
+        let turn = side.turn.map(|turn| [turn.tilt_deg, turn.azimuth_deg].map(|degrees| format!("{degrees:.1}")));
+        let [tilt, azimuth] = turn.unwrap_or_else(|| ["turns", "-"].map(str::to_owned));
         out += &format!(
-            "{:<20}{:>6.1}{:>7.1}{sun:>8.1}{sky:>9.1}{:>10.1}{:>10.1}{loss:>8}{:>9.3}\n",
+            "{:<20}{tilt:>6}{azimuth:>7}{sun:>8.1}{sky:>9.1}{:>10.1}{:>10.1}{loss:>8}{:>9.3}\n",
             name.trim_end(),
-            side.turn.tilt_deg,
-            side.turn.azimuth_deg,
             sun_reflected + sky_reflected + sun_mirrored + sky_mirrored,
             side.months.total(),
             side.sky_view

@@ -3,6 +3,7 @@
 
 use std::collections::{HashMap, HashSet};
 use std::fs;
+use std::rc::Rc;
 
 use super::energy::{Plant, SideLight};
 use super::folder::PvFolder;
@@ -12,6 +13,7 @@ use super::open_plain::OpenPlain;
 use super::request::PvRequest;
 use super::shade::map_of;
 use super::spots::{Spot, SpotSide, Spots};
+use super::tracked::{TrackedLight, Tracking};
 use heliotile_archives::transfer::ArchiveReceivers;
 use heliotile_builder::siting::Siting;
 use heliotile_core::archive::Archive;
@@ -19,11 +21,12 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::opened::OpenSite;
 use heliotile_core::orientation::fan::Orientation;
 use heliotile_core::site::north::North;
+use heliotile_results::Every;
 use heliotile_results::outputs::provenance::Provenance;
 use heliotile_results::outputs::pv::energy::EnergySums;
 use heliotile_results::outputs::pv::ground::{GroundSums, PlantLight, SumsOnGround, write_ground, write_ground_months};
 use heliotile_results::outputs::pv::horizon::{self, PointHorizon};
-use heliotile_results::outputs::pv::hourly::{HourlyTable, ONE_SIDE, SideHours, TWO_SIDES};
+use heliotile_results::outputs::pv::hourly::{ANGLE, HourlyTable, ONE_SIDE, SideHours, TWO_SIDES};
 use heliotile_results::outputs::pv::polar;
 use heliotile_results::outputs::pv::search::{PointSearch, write_all, write_best};
 use heliotile_results::outputs::pv::sums::{MonthlySums, SideSums, write_months, write_points};
@@ -49,6 +52,8 @@ pub struct Results<'a, 'l> {
     pub archive: &'a Archive,
     pub spots: &'a Spots,
     pub ground: &'a [GroundSpot],
+    /// Light on trackers; `None` where modules are fixed.
+    pub tracked: Option<&'a TrackedLight>,
     pub about: &'a Provenance,
 }
 
@@ -64,8 +69,14 @@ impl Results<'_, '_> {
     ) -> Result<(Vec<SideSums>, SumsOnGround, Option<EnergySums>)> {
         let (files, about) = (self.files, self.about);
         let has_horizons = self.request.points.is_some();
-        let of_receiver = self.of_receivers()?;
-        let sides = self.sums(scene, &of_receiver, has_horizons)?;
+        let of_receiver = match self.tracked {
+            Some(_) => HashMap::new(),
+            None => self.of_receivers()?,
+        };
+        let sides = match self.tracked {
+            Some(tracked) => self.tracked_sums(tracked)?,
+            None => self.sums(scene, &of_receiver, has_horizons)?,
+        };
         let ground = self.sums_on_ground(scene, &of_receiver)?;
         if files.ground.is_some() {
             self.light.tell_par(self.archive)?;
@@ -154,7 +165,7 @@ impl Results<'_, '_> {
                 point: spot.name.clone(),
                 side: side.name,
                 position: spot.position,
-                turn,
+                turn: Some(turn),
                 open: plain.sums(spot.ground, turn),
                 sky_view,
                 horizon: if has_horizons { PvFolder::list_of(&spot.name) } else { String::new() },
@@ -162,15 +173,41 @@ impl Results<'_, '_> {
                 months,
             }
         };
-        let of_spot = |spot: &Spot| {
-            let mut sides: Vec<SideSums> = spot.sides.iter().map(|side| of_side(spot, side)).collect();
-            if let [front, rear] = sides.as_mut_slice() {
-                let share = rear.months.total() / front.months.total().max(f64::MIN_POSITIVE);
-                front.bifacial_gain_percent = Some(100.0 * self.request.bifaciality * share);
-            }
-            sides
-        };
+        let of_spot = |spot: &Spot| self.with_gain(spot.sides.iter().map(|side| of_side(spot, side)).collect());
         Ok(self.spots.list.iter().flat_map(of_spot).collect())
+    }
+
+    /// Returns the sums of both sides of every tracker, with those of a single one on an open plain.
+    fn tracked_sums(&self, tracked: &TrackedLight) -> Result<Vec<SideSums>> {
+        let months = self.light.hours(self.archive)?.by(Every::Month);
+        let of_side = |(place, spot): (usize, &Spot), number: usize, side: &SpotSide| {
+            let found = tracked.side(place, number);
+            SideSums {
+                point: spot.name.clone(),
+                side: side.name,
+                position: spot.position,
+                turn: None,
+                open: MonthlySums::new(&tracked.open(spot.ground, number), &months.bins),
+                sky_view: found.sky_view,
+                horizon: String::new(),
+                bifacial_gain_percent: None,
+                months: MonthlySums::new(&found.hours, &months.bins),
+            }
+        };
+        let of_spot = |(place, spot): (usize, &Spot)| {
+            let sides = spot.sides.iter().enumerate();
+            self.with_gain(sides.map(|(number, side)| of_side((place, spot), number, side)).collect())
+        };
+        Ok(self.spots.list.iter().enumerate().flat_map(of_spot).collect())
+    }
+
+    /// Returns the sides of a module with the gain by its rear.
+    fn with_gain(&self, mut sides: Vec<SideSums>) -> Vec<SideSums> {
+        if let [front, rear] = sides.as_mut_slice() {
+            let share = rear.months.total() / front.months.total().max(f64::MIN_POSITIVE);
+            front.bifacial_gain_percent = Some(100.0 * self.request.bifaciality * share);
+        }
+        sides
     }
 
     /// Returns the sums of every place on the ground, with the photosynthetically active radiation
@@ -208,8 +245,7 @@ impl Results<'_, '_> {
     }
 
     /// Writes the hours of every point and module, if they are wanted, and returns the energy of an
-    /// array. Memory holds only modules of which some receivers are still to come, which are few:
-    /// their receivers lie in neighbouring tiles.
+    /// array.
     fn write_hours(&self, mut plant: Option<Plant>) -> Result<Option<EnergySums>> {
         let light = self.light;
         if plant.is_none() && !self.request.hourly {
@@ -218,33 +254,59 @@ impl Results<'_, '_> {
         let series = light.hours(self.archive)?;
         let mut table = self.request.hourly.then(|| self.hourly_table(&series.labels)).transpose()?;
         let bifaciality = self.request.bifaciality;
+        let tracking = self.tracked.map(|tracked| &tracked.tracking);
+        let angles = tracking.map(Tracking::angles_deg);
+        let covers = tracking.map(|tracking| [0, 1].map(|side| Rc::new(tracking.covers(side))));
+        self.each_module(|place, spot, sides| {
+            if let Some(plant) = &mut plant {
+                let mut lights = Vec::new();
+                for ((number, share), (hours, side)) in (0..).zip([1.0, bifaciality]).zip(sides.iter().zip(&spot.sides))
+                {
+                    let cover = match covers.as_ref().and_then(|covers: &[Rc<Vec<f64>>; 2]| covers.get(number)) {
+                        Some(cover) => Rc::clone(cover),
+                        None => plant.cover_of(spot.turn_of(side), &series),
+                    };
+                    lights.push(SideLight { hours, cover, share });
+                }
+                plant.add(place, &lights);
+            }
+            let Some(table) = &mut table else { return Ok(()) };
+            let mut columns = match sides {
+                [front, rear] => front.with_rear(rear, bifaciality as f32),
+                [one] => one.one_side(),
+                _ => return Ok(()),
+            };
+            columns.extend(angles.clone());
+            table.write(&spot.name, &columns)
+        })?;
+        table.map_or(Ok(()), HourlyTable::finish)?;
+        Ok(plant.map(|plant| plant.sums(&series, light.interval_hours())))
+    }
+
+    /// Hands over the hours of the sides of every point and module. Of fixed ones, memory holds only
+    /// those of which some receivers are still to come, which are few: their receivers lie in
+    /// neighbouring tiles.
+    fn each_module(&self, mut each: impl FnMut(usize, &Spot, &[&SideHours]) -> Result<()>) -> Result<()> {
+        let spots = &self.spots.list;
+        if let Some(tracked) = self.tracked {
+            return spots.iter().enumerate().try_for_each(|(place, spot)| each(place, spot, &tracked.hours(place)));
+        }
         let mut open: HashMap<usize, (usize, Vec<SideHours>)> = HashMap::new();
-        light.hourly(self.archive, |id, hours| {
+        self.light.hourly(self.archive, |id, hours| {
             let Some((place, side)) = self.spots.of_receiver(id) else { return Ok(()) };
-            let Some(spot) = self.spots.list.get(place) else { return Ok(()) };
+            let Some(spot) = spots.get(place) else { return Ok(()) };
             let (seen, sides) = open.entry(place).or_insert_with(|| (0, vec![SideHours::default(); spot.sides.len()]));
             *seen += 1;
             if let (Some(sum), Some(of)) = (sides.get_mut(side), spot.sides.get(side)) {
-                sum.add(&hours, 1.0 / of.receivers.len() as f32);
+                let share = 1.0 / of.receivers.len() as f32;
+                sum.add(&hours, |_| share);
             }
             if *seen < spot.sides.iter().map(|side| side.receivers.len()).sum() {
                 return Ok(());
             }
             let Some((_, sides)) = open.remove(&place) else { return Ok(()) };
-            if let Some(plant) = &mut plant {
-                let shares = [1.0, bifaciality];
-                let sides = sides.iter().zip(&spot.sides).zip(shares);
-                let side = |((hours, side), share)| SideLight { hours, turn: spot.turn_of(side), share };
-                plant.add(place, &sides.map(side).collect::<Vec<_>>(), &series);
-            }
-            match (&mut table, sides.as_slice()) {
-                (Some(table), [front, rear]) => table.write(&spot.name, &front.with_rear(rear, bifaciality as f32)),
-                (Some(table), [one]) => table.write(&spot.name, &one.one_side()),
-                _ => Ok(()),
-            }
-        })?;
-        table.map_or(Ok(()), HourlyTable::finish)?;
-        Ok(plant.map(|plant| plant.sums(&series, light.interval_hours())))
+            each(place, spot, &sides.iter().collect::<Vec<_>>())
+        })
     }
 
     /// Starts the table of hours.
@@ -252,7 +314,8 @@ impl Results<'_, '_> {
         let light = self.light;
         let about = self.about.clone().with("stamp", light.stamp().name());
         let about = about.with("interval_minutes", 60.0 * light.interval_hours());
-        let columns: &[&str] = if self.request.points.is_some() { &ONE_SIDE } else { &TWO_SIDES };
-        HourlyTable::create(&self.files.hours, columns, labels, self.spots.list.len() as u64, &about)
+        let mut columns: Vec<&str> = if self.request.points.is_some() { ONE_SIDE.into() } else { TWO_SIDES.into() };
+        columns.extend(self.tracked.map(|_| ANGLE));
+        HourlyTable::create(&self.files.hours, &columns, labels, self.spots.list.len() as u64, &about)
     }
 }

@@ -7,6 +7,7 @@
 
 use std::path::Path;
 
+use super::sums::PARTS;
 use crate::outputs::provenance::Provenance;
 use crate::outputs::tables::batch::{Batch, Values};
 use crate::outputs::tables::bin_labels::BinLabels;
@@ -34,56 +35,45 @@ pub const TWO_SIDES: [&str; 11] = [
     "poa_back_ground_diffuse",
 ];
 
-/// Unit of all columns.
+/// Column of the angle of trackers, degrees: the mean while the sun is up, else 0.
+pub const ANGLE: &str = "tracker_theta";
+
+/// Unit of light.
 const UNIT: &str = "W/m2";
 
-/// Light on one side, `[hour]`, W/m2.
+/// Light on one side, `[part][hour]`, W/m2, in the order of [`PARTS`].
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct SideHours {
-    /// Light of the sun, direct.
-    pub sun: Vec<f32>,
-    /// Light of the sun by mirrors.
-    pub mirrored: Vec<f32>,
-    /// Light of the sky, direct and by mirrors.
-    pub sky: Vec<f32>,
-    /// Light that ground and surroundings reflect diffusely.
-    pub reflected: Vec<f32>,
-}
+pub struct SideHours(pub [Vec<f32>; PARTS.len()]);
 
 impl SideHours {
     /// Returns the light of irradiances by component, `[hour]`, W/m2.
     pub fn new<'v>(component: impl Fn(Component) -> &'v [f32]) -> Self {
-        let both = |a: Component, b: Component| component(a).iter().zip(component(b)).map(|(a, b)| a + b).collect();
-        SideHours {
-            sun: component(Component::SunDirect).to_vec(),
-            mirrored: component(Component::SunMirrored).to_vec(),
-            sky: both(Component::SkyDirect, Component::SkyMirrored),
-            reflected: both(Component::SunReflected, Component::SkyReflected),
-        }
+        SideHours(PARTS.map(|part| component(part).to_vec()))
     }
 
-    /// Adds `share` times the light of another side, hour by hour.
-    pub fn add(&mut self, other: &SideHours, share: f32) {
-        let pairs = [(&mut self.sun, &other.sun), (&mut self.mirrored, &other.mirrored)];
-        let more = [(&mut self.sky, &other.sky), (&mut self.reflected, &other.reflected)];
-        for (sum, more) in pairs.into_iter().chain(more) {
+    /// Adds the light of another side times the share of its hour.
+    pub fn add(&mut self, other: &SideHours, share: impl Fn(usize) -> f32) {
+        for (sum, more) in self.0.iter_mut().zip(&other.0) {
             sum.resize(more.len().max(sum.len()), 0.0);
-            sum.iter_mut().zip(more).for_each(|(sum, value)| *sum += share * value);
+            sum.iter_mut().zip(more).enumerate().for_each(|(hour, (sum, value))| *sum += share(hour) * value);
         }
     }
 
     /// Returns the direct light of the sun in an hour, and all other light, W/m2.
     pub fn sun_and_rest(&self, hour: usize) -> [f64; 2] {
-        let at = |values: &[f32]| values.get(hour).copied().map_or(0.0, f64::from);
-        [at(&self.sun), at(&self.mirrored) + at(&self.sky) + at(&self.reflected)]
+        let [sun, rest @ ..] = self.0.each_ref().map(|part| part.get(hour).copied().map_or(0.0, f64::from));
+        [sun, rest.iter().sum()]
     }
 
-    /// Returns total, direct, diffuse, and the two parts of diffuse.
+    /// Returns total, direct, diffuse, and the two parts of diffuse: the sky, direct and by
+    /// mirrors, and what ground and surroundings reflect diffusely.
     fn columns(&self) -> [Vec<f32>; 5] {
-        let direct: Vec<f32> = self.sun.iter().zip(&self.mirrored).map(|(a, b)| a + b).collect();
-        let diffuse: Vec<f32> = self.sky.iter().zip(&self.reflected).map(|(a, b)| a + b).collect();
-        let global = direct.iter().zip(&diffuse).map(|(a, b)| a + b).collect();
-        [global, direct, diffuse, self.sky.clone(), self.reflected.clone()]
+        let both = |a: &[f32], b: &[f32]| -> Vec<f32> { a.iter().zip(b).map(|(a, b)| a + b).collect() };
+        let [sun, sky, sun_reflected, sky_reflected, sun_mirrored, sky_mirrored] = &self.0;
+        let (direct, sky) = (both(sun, sun_mirrored), both(sky, sky_mirrored));
+        let reflected = both(sun_reflected, sky_reflected);
+        let diffuse = both(&sky, &reflected);
+        [both(&direct, &diffuse), direct, diffuse, sky, reflected]
     }
 
     /// Returns the columns of a point with one side, in the order of [`ONE_SIDE`].
@@ -108,12 +98,13 @@ impl HourlyTable {
     /// Starts a table of `points` points, in the format given by the ending of the path.
     pub fn create(path: &Path, columns: &[&str], labels: &BinLabels, points: u64, about: &Provenance) -> Result<Self> {
         let mut all = vec![Column::of_bins("time", Kind::Text, labels), Column::of_places("point", Kind::Text)];
-        all.extend(columns.iter().map(|name| Column::float(*name, Digits::Decimals(3)).with_unit(UNIT)));
+        let unit = |name: &str| if name == ANGLE { "degree" } else { UNIT };
+        all.extend(columns.iter().map(|name| Column::float(*name, Digits::Decimals(3)).with_unit(unit(name))));
         let table = Table::create(path, TableColumns::new(all), Places::counted(points), Some(about))?;
         Ok(HourlyTable { table })
     }
 
-    /// Writes all hours of a point: `[column][hour]`, W/m2.
+    /// Writes all hours of a point: `[column][hour]`.
     pub fn write(&mut self, point: &str, columns: &[Vec<f32>]) -> Result<()> {
         let names = Values::Texts(vec![point.to_owned()].into());
         let columns = columns.iter().map(|column| Values::Floats(column.into()));

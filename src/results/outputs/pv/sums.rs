@@ -5,6 +5,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
+use super::hourly::SideHours;
 use crate::outputs::provenance::Provenance;
 use crate::outputs::tables::column::{Column, Digits};
 use crate::outputs::tables::records::Records;
@@ -12,6 +13,7 @@ use crate::outputs::tables::table::Cell;
 use heliotile_core::error::Result;
 use heliotile_core::orientation::fan::Orientation;
 use heliotile_core::replay::components::{Component, SUM_SUFFIX};
+use heliotile_core::weather::time::bins::Bins;
 
 /// Components that add up to the total, which is the last of all.
 pub const PARTS: [Component; 6] = {
@@ -24,6 +26,18 @@ pub const PARTS: [Component; 6] = {
 pub struct MonthlySums(pub Vec<[f64; PARTS.len()]>);
 
 impl MonthlySums {
+    /// Returns the sums of hours; `bins` are those of the months.
+    pub fn new(hours: &SideHours, bins: &Bins) -> Self {
+        let mut months = vec![[0.0; PARTS.len()]; bins.count];
+        for (part, of_part) in hours.0.iter().enumerate() {
+            for (light, (month, weight)) in of_part.iter().zip(&bins.of_condition) {
+                let sum = months.get_mut(*month).and_then(|month| month.get_mut(part));
+                sum.into_iter().for_each(|sum| *sum += weight * f64::from(*light));
+            }
+        }
+        MonthlySums(months)
+    }
+
     /// Returns the sums of all months, by part.
     pub fn parts(&self) -> [f64; PARTS.len()] {
         std::array::from_fn(|part| self.0.iter().map(|month| month[part]).sum())
@@ -60,8 +74,8 @@ pub struct SideSums {
     pub side: &'static str,
     /// Position in input coordinates, metres.
     pub position: DVec3,
-    /// Orientation by true north.
-    pub turn: Orientation,
+    /// Orientation by true north; `None` on trackers.
+    pub turn: Option<Orientation>,
     pub months: MonthlySums,
     /// Sums that it would have on an open plain.
     pub open: MonthlySums,
@@ -100,7 +114,7 @@ pub fn write_points(path: &Path, sides: &[SideSums], about: &Provenance) -> Resu
     let rows = sides.iter().map(|side| {
         let mut cells = vec![Cell::from(&side.point), side.side.into()];
         cells.extend(side.position.to_array().map(Cell::from));
-        cells.extend([side.turn.tilt_deg, side.turn.azimuth_deg].map(Cell::from));
+        cells.extend([side.turn.map(|turn| turn.tilt_deg), side.turn.map(|turn| turn.azimuth_deg)].map(Cell::from));
         cells.extend(side.months.parts().map(Cell::from));
         cells.extend([side.months.total(), side.open.total()].map(Cell::from));
         cells.extend([side.loss_percent().into(), side.sky_view.into(), Cell::from(&side.horizon)]);

@@ -87,6 +87,14 @@ fn each_feature(
     }
 }
 
+/// Reads the areas of the shapefile in a zip, as [`areas`] does; `None` if the zip holds none.
+pub(super) fn zipped_areas(file: &Path, scene: Option<u32>) -> Result<Option<(Vec<Outline>, Vec<Message>)>> {
+    let Some(parts) = input::zipped_shapefile(file)? else { return Ok(None) };
+    let mut collector = OutlineCollector::new(file);
+    let system = shapefile::read_parts(&parts, file, &mut |feature| collector.add(feature))?;
+    collector.finish(system, scene).map(Some)
+}
+
 /// Reads the shapefile in a zip; `None` if the zip holds none.
 pub(super) fn zipped_shapefile(file: &Path, asked: &ReadOptions) -> Result<Option<Geometry>> {
     let Some(parts) = input::zipped_shapefile(file)? else { return Ok(None) };
