@@ -141,7 +141,7 @@ struct Entry {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table, as in { hub = 1.5 }")]
 struct TrackerEntry {
     hub: f64,
     #[serde(default = "usual_axis")]

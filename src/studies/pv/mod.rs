@@ -31,8 +31,9 @@ use heliotile_builder::pipeline::PreparedScene;
 use heliotile_builder::siting::Siting;
 use heliotile_core::archive::Archive;
 use heliotile_core::error::{Error, Problem, Result, check_ranges};
-use heliotile_core::observer::Observer;
+use heliotile_core::observer::{Observer, Tone};
 use heliotile_core::site::north::North;
+use heliotile_core::text::Message;
 use heliotile_core::weather::options::WeatherOptions;
 use heliotile_files::writing::copy::folder_of;
 use heliotile_results::outputs::provenance::Provenance;
@@ -192,7 +193,7 @@ fn run(request: &PvRequest, about: Provenance, resources: &Resources) -> Result<
         false => Vec::new(),
     };
     spots.turn_unturned(&searched);
-    let build = ModuleBuild { request, site: &site, scene: &scene, files: &files, resources, north };
+    let build = ModuleBuild { request, site: &site, scene: &scene, files: &files, resources, north, observer };
     let kept = beside.path();
     let archives = match (tracker, &laid) {
         (Some(tracker), Some(laid)) => {
@@ -201,7 +202,10 @@ fn run(request: &PvRequest, about: Provenance, resources: &Resources) -> Result<
                 let folder = if angle_deg == 0.0 { kept.to_owned() } else { kept.join("angle") };
                 fs::create_dir_all(&folder).map_err(Error::io(&folder, "create"))?;
                 let turned = laid.at(angle_deg);
-                build.trace(&Spots::of_modules(turned.modules(), &siting), &[], Some(&turned), path, &folder)
+                let (spots, unwarned) = (Spots::of_modules(turned.modules(), &siting), Unwarned(observer));
+                let observer: &dyn Observer = if angle_deg == 0.0 { observer } else { &unwarned };
+                let build = ModuleBuild { observer, ..build };
+                build.trace(&spots, &[], Some(&turned), path, &folder)
             };
             let angles = tracker.angles_deg().into_iter().zip(&files.archives);
             angles.map(angle).collect::<Result<Vec<_>>>()?
@@ -250,13 +254,42 @@ fn run(request: &PvRequest, about: Provenance, resources: &Resources) -> Result<
         results.write_search(&searched)?;
     }
     light.notes(request).iter().for_each(|text| observer.note(text));
-    let mut table = summary::table(&sides, &searched, &on_ground, &request.weather);
+    let hours = light.interval_hours() * light.hours(archive)?.conditions.len() as f64;
+    let mut table = summary::table(&sides, &searched, &on_ground, &request.weather, hours);
     table.extend(energy.map(|energy| format!("\n{}", energy.sentence())));
     let archive = files.archive().to_owned();
     Ok(PvDone { files: files.names(request), archive, folder: files.folder, table })
 }
 
+/// Observer of the build of one of several angles, whose warnings are those of level modules.
+struct Unwarned<'a>(&'a dyn Observer);
+
+impl Observer for Unwarned<'_> {
+    fn begin(&self, stage: &'static str, items: Option<u64>) {
+        self.0.begin(stage, items);
+    }
+
+    fn advance(&self, stage: &'static str, items: u64) {
+        self.0.advance(stage, items);
+    }
+
+    fn end(&self, stage: &'static str) {
+        self.0.end(stage);
+    }
+
+    fn tell(&self, tone: Tone, message: Message) {
+        if tone != Tone::Warning {
+            self.0.tell(tone, message);
+        }
+    }
+
+    fn cancelled(&self) -> bool {
+        self.0.cancelled()
+    }
+}
+
 /// How modules are traced.
+#[derive(Clone, Copy)]
 struct ModuleBuild<'a> {
     request: &'a PvRequest,
     site: &'a SceneFiles,
@@ -265,6 +298,7 @@ struct ModuleBuild<'a> {
     files: &'a PvFolder,
     resources: &'a Resources<'a>,
     north: North,
+    observer: &'a dyn Observer,
 }
 
 impl ModuleBuild<'_> {
@@ -289,7 +323,7 @@ impl ModuleBuild<'_> {
         let traced = with_modules.as_ref().unwrap_or(self.scene);
         let receivers = spots.write_receivers(ground, beside, self.north)?;
         let accuracy = self.request.accuracy();
-        let Resources { memory, files, observer, .. } = *self.resources;
+        let Resources { memory, files, .. } = *self.resources;
         let build = SiteBuild { memory, files, ..SiteBuild::new(traced, &receivers, &accuracy) };
         let parent = folder_of(archive);
         fs::create_dir_all(parent).map_err(Error::io(parent, "create"))?;
@@ -299,7 +333,7 @@ impl ModuleBuild<'_> {
             replace: self.request.replace,
             named_by: FolderOption::Output,
         };
-        build.ensure(&folder, observer)
+        build.ensure(&folder, self.observer)
     }
 }
 

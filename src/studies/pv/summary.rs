@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use heliotile_results::outputs::pv::energy::years_in;
 use heliotile_results::outputs::pv::ground::{GroundSums, SumsOnGround};
 use heliotile_results::outputs::pv::search::PointSearch;
 use heliotile_results::outputs::pv::sums::SideSums;
@@ -10,10 +11,18 @@ use heliotile_results::outputs::pv::sums::SideSums;
 const MAX_ROWS: usize = 20;
 
 /// Returns the sums of sides, means and extremes on the ground if it has receivers, and the best
-/// orientations if there was a search.
-pub fn table(sides: &[SideSums], searched: &[PointSearch], ground: &SumsOnGround, weather: &Path) -> String {
+/// orientations if there was a search. `hours` is the length of the weather.
+pub fn table(
+    sides: &[SideSums],
+    searched: &[PointSearch],
+    ground: &SumsOnGround,
+    weather: &Path,
+    hours: f64,
+) -> String {
+    let years = years_in(hours).filter(|years| *years > 1.0);
+    let period = years.map_or(String::new(), |years| format!(" in {years} years"));
     let mut out = format!(
-        "\nIrradiation through {}, kWh/m2:\n{:<20}{:>6}{:>7}{:>8}{:>9}{:>10}{:>10}{:>8}{:>9}\n",
+        "\nIrradiation through {}, kWh/m2{period}:\n{:<20}{:>6}{:>7}{:>8}{:>9}{:>10}{:>10}{:>8}{:>9}\n",
         weather.display(),
         "point",
         "tilt",

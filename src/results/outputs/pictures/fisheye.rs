@@ -155,21 +155,32 @@ fn draw_path(page: &mut Drawing, disc: &SkyDisc, path: &SunPath, north: North) {
             run.last().copied()
         });
     }
+    // The name of a day stands beside the sun shortly before it sets.
+    let setting = |day: &Vec<DVec3>| {
+        let two = day.windows(2).rev().find(|two| two[0].z >= NAMED_Z && two[1].z < NAMED_Z)?;
+        let (x, y) = place_of(two[0]);
+        Some((x + 9.0, y - 9.0))
+    };
+    let named: Vec<(At, &str)> =
+        days.iter().zip(MONTHS).filter_map(|(day, (_, _, name))| Some((setting(day)?, name))).collect();
+    named.iter().for_each(|(at, name)| page.text(name, *at, SMALL, Side::Left, DAY));
+    let is_free = |(x, y): At| {
+        let apart = |((left, middle), name): &(At, &str)| {
+            let half = SMALL.width(name) / 2.0;
+            (left + half - x).abs() > half + SMALL.width("00") || (middle - y).abs() > SMALL.size
+        };
+        named.iter().all(apart)
+    };
     for (hour, points) in hours.iter().enumerate() {
         // The highest point of an hour's loop is near the summer solstice; the hour's name stands
-        // there, moved towards the middle.
+        // there, moved towards the middle, unless a day's name does.
         if let Some(top) = points.iter().copied().max_by(|a, b| a.z.total_cmp(&b.z)).filter(|top| top.z > 0.05) {
             let (x, y) = place_of(top);
             let inwards = 13.0 / (CENTRE.0 - x).hypot(CENTRE.1 - y).max(13.0);
             let at = (x + (CENTRE.0 - x) * inwards, y + (CENTRE.1 - y) * inwards);
-            page.text(&hour.to_string(), at, SMALL, Side::Center, DAY);
-        }
-    }
-    for (day, (_, _, name)) in days.iter().zip(MONTHS) {
-        // The name stands beside the sun shortly before it sets.
-        if let Some(two) = day.windows(2).rev().find(|two| two[0].z >= NAMED_Z && two[1].z < NAMED_Z) {
-            let (x, y) = place_of(two[0]);
-            page.text(name, (x + 9.0, y - 9.0), SMALL, Side::Left, DAY);
+            if is_free(at) {
+                page.text(&hour.to_string(), at, SMALL, Side::Center, DAY);
+            }
         }
     }
 }

@@ -19,6 +19,13 @@ pub const ENERGIES: [&str; 3] = ["dc_kwh", "ac_kwh", "clipped_kwh"];
 /// Hours of a common year.
 const YEAR_H: f64 = 8760.0;
 
+/// Returns the number of years in some hours; `None` if they are no whole years. Years of a file of
+/// several count alike; 29 February makes no other year.
+pub fn years_in(hours: f64) -> Option<f64> {
+    let years = (hours / YEAR_H).round();
+    (years >= 1.0 && (hours / YEAR_H / years - 1.0).abs() < 0.01).then_some(years)
+}
+
 /// Energy of a string, or of the array.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StringEnergy {
@@ -91,11 +98,10 @@ impl EnergySums {
         let Some(array) = self.strings.first() else { return String::new() };
         let sums = array.all();
         let at = |column: usize| sums.get(column).copied().unwrap_or_default();
-        // Years of a file of several count alike; 29 February makes no other year.
-        let years = (self.hours / YEAR_H).round();
-        let is_years = years >= 1.0 && (self.hours / YEAR_H / years - 1.0).abs() < 0.01;
-        let (period, count) =
-            if is_years { ("a year".to_owned(), years) } else { (format!("in {:.0} hours", self.hours), 1.0) };
+        let (period, count) = match years_in(self.hours) {
+            Some(years) => ("a year".to_owned(), years),
+            None => (format!("in {:.0} hours", self.hours), 1.0),
+        };
         let energy = at(1) / count;
         let mut text = format!(
             "the array of {:.2} kWp gives {energy:.0} kWh {period} ({:.0} kWh per kWp)",
