@@ -83,7 +83,8 @@ def main(folder, program, out):
             draw(PICTURE, measured.index, [
                 ("Shortwave down, W/m2", (0, 200), 50, measured.Kdown, found.shortwave_up),
                 ("Longwave down, W/m2", (280, 380), 20, measured.Ldown, found.longwave_up),
-                ("Mean radiant temperature, C", (0, 50), 10, radiant(measured), found.mrt_c)])
+                ("Mean radiant temperature, C", (0, 50), 10, radiant(measured), found.mrt_c)],
+                "hour of 2005-10-07, UTC+1; means of an hour")
             print(f"drawn: {PICTURE}")
     print("bias / RMSE, W/m2 and K")
     print(pandas.DataFrame(summary, columns=["surfaces", "of", *off.columns]).to_string(index=False))
