@@ -1,5 +1,5 @@
-//! Single-axis trackers of `pv` beside pvlib: angles, light on fronts, energy; surroundings that hide
-//! the sun; and wrong input.
+//! Single-axis trackers of `pv` beside pvlib: angles, light on fronts, energy; surroundings that
+//! hide the sun; and wrong input.
 
 use std::fs;
 
@@ -41,8 +41,8 @@ fn pv(rest: &str) -> String {
 /// Angles of the middle row, the beam and the sky on its front are those of pvlib 0.16.1
 /// (`tracking.singleaxis`, `bifacial.infinite_sheds`, isotropic sky, black ground) in eleven hours:
 /// angles within 0.01 degrees, the beam within 0.01 %, the sky within 1.5 %. With backtracking, and
-/// without it about axes of another direction. A day's DC is that of `iam.physical`, `sapm_cell` and
-/// `pvwatts_dc` within 0.5 %. A second run traces nothing.
+/// without it about axes of another direction. A day's DC is that of `iam.physical`, `sapm_cell`
+/// and `pvwatts_dc` within 0.5 %. A second run traces nothing.
 #[test]
 fn trackers_have_the_light_of_pvlib() {
     let turns_back = [
@@ -98,9 +98,10 @@ fn trackers_have_the_light_of_pvlib() {
     }
 }
 
-/// A wall 20 m high, 30 m west of a single tracker, hides the sun across the axis below 31.7 degrees:
-/// from half past three on. Before 15:00 the beam is that of a tracker without a wall, from 16:00 on
-/// it is 0, and the hour between loses a part. Without a wall there is no loss against an open plain.
+/// A wall 20 m high, 30 m west of a single tracker, hides the sun across the axis below 31.7
+/// degrees: from half past three on. Before 15:00 the beam is that of a tracker without a wall,
+/// from 16:00 on it is 0, and the hour between loses a part. Without a wall there is no loss
+/// against an open plain.
 #[test]
 fn a_wall_hides_the_sun_of_trackers() {
     let folder = folder("backtrack = false, step = 30");
@@ -127,11 +128,14 @@ fn a_wall_hides_the_sun_of_trackers() {
 }
 
 /// The shade file is refused for trackers, and so are results of other modules in the folder, until
-/// they may be replaced; nothing is written or lost.
+/// they may be replaced, and 6,400 trackers over a year; nothing is written or lost.
 #[test]
 fn wrong_requests_for_trackers_are_refused() {
     let folder = folder("step = 60");
     folder.fails(&pv("--shade"), "argument excludes --shade tracker");
+    folder.write("many.toml", &rows("step = 60").replace("rows = 9\nmodules = 1", "rows = 80\nmodules = 80"));
+    let year = format!("{}/tests/data/weather/golden_tmy3.epw", crate::ROOT);
+    folder.fails(&pv("").replace("hours.csv", &year).replace("rows.toml", "many.toml"), "limit 2147483648");
     assert!(!folder.path("out").exists());
     good(&folder, &pv("--no-hourly"));
     let there = fs::read_dir(folder.path("out/angles")).expect("a folder").count();

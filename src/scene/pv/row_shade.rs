@@ -83,8 +83,8 @@ impl RowShade {
         self.tracker.turn(angle_deg).normal()
     }
 
-    /// Returns the share of a module, by its number, that is not in the shade of other rows, 0 to 1;
-    /// `sun` is a unit vector by true east, true north and up.
+    /// Returns the share of a module, by its number, that is not in the shade of other rows, 0 to
+    /// 1; `sun` is a unit vector by true east, true north and up.
     pub fn lit(&self, module: usize, angle_deg: f64, sun: DVec3) -> f64 {
         let Some(&(middle, half_height_m)) = self.places.get(module) else { return 1.0 };
         let sun = self.north.to_axes(sun);

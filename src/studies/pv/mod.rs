@@ -178,6 +178,9 @@ fn run(request: &PvRequest, about: Provenance, resources: &Resources) -> Result<
         (ModuleSource::Points(points), _) => Spots::of_points(request.modules_file(), points, &siting, &scene)?,
         (_, laid) => Spots::of_modules(laid.iter().flat_map(LaidRows::modules), &siting),
     };
+    if tracker.is_some() {
+        tracked::check_size(spots.list.len(), weather.rows.len())?;
+    }
     let ground = match &laid {
         Some(laid) => GroundSpot::among(request.modules_file(), laid, &siting, observer)?,
         None => Vec::new(),

@@ -177,7 +177,8 @@ impl Results<'_, '_> {
         Ok(self.spots.list.iter().flat_map(of_spot).collect())
     }
 
-    /// Returns the sums of both sides of every tracker, with those of a single one on an open plain.
+    /// Returns the sums of both sides of every tracker, with those of a single one on an open
+    /// plain.
     fn tracked_sums(&self, tracked: &TrackedLight) -> Result<Vec<SideSums>> {
         let months = self.light.hours(self.archive)?.by(Every::Month);
         let of_side = |(place, spot): (usize, &Spot), number: usize, side: &SpotSide| {
@@ -283,8 +284,8 @@ impl Results<'_, '_> {
         Ok(plant.map(|plant| plant.sums(&series, light.interval_hours())))
     }
 
-    /// Hands over the hours of the sides of every point and module. Of fixed ones, memory holds only
-    /// those of which some receivers are still to come, which are few: their receivers lie in
+    /// Hands over the hours of the sides of every point and module. Of fixed ones, memory holds
+    /// only those of which some receivers are still to come, which are few: their receivers lie in
     /// neighbouring tiles.
     fn each_module(&self, mut each: impl FnMut(usize, &Spot, &[&SideHours]) -> Result<()>) -> Result<()> {
         let spots = &self.spots.list;

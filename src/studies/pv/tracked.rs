@@ -3,8 +3,8 @@
 //!
 //! All light but the beam changes smoothly with the angle: it is interpolated between the traced
 //! angles. The beam does not, because backtracking keeps modules at the edge of their neighbours'
-//! shade: its shade among modules is computed at the angle of each sun, by
-//! [`RowShade`]; the share that reaches the middle of a module through the surroundings is replayed.
+//! shade: its shade among modules is computed at the angle of each sun, by [`RowShade`]; the share
+//! that reaches the middle of a module through the surroundings is replayed.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -119,11 +119,23 @@ impl Tracking {
         beams
     }
 
-    /// Adds the light of a side at a traced angle to that of all angles; the sun's beam is left out.
+    /// Adds the light of a side at a traced angle to that of all angles; the sun's beam is left
+    /// out.
     fn mix(&self, sum: &mut SideHours, traced: usize, hours: &SideHours, share: f32) {
         let weights = &self.weights[traced];
         sum.add(hours, |hour| share * weights.get(hour).copied().unwrap_or_default());
     }
+}
+
+/// Refuses more modules than the memory for their hours holds.
+pub fn check_size(modules: usize, hours: usize) -> Result<()> {
+    // Six parts of the light on two sides, 4 bytes each.
+    let bytes = modules as u64 * hours as u64 * 2 * 6 * 4;
+    if bytes > MAX_BYTES {
+        let what = message!("the memory of the hours of {modules} trackers, bytes");
+        return Err(Error::Limit { what, value: bytes, max: MAX_BYTES });
+    }
+    Ok(())
 }
 
 /// Light on all modules of trackers.
@@ -144,8 +156,8 @@ pub struct TrackedSide {
 }
 
 impl TrackedLight {
-    /// Replays `archives`, one for each traced angle, and traces the middles of modules in the scene
-    /// without them; `folder` holds temporary files.
+    /// Replays `archives`, one for each traced angle, and traces the middles of modules in the
+    /// scene without them; `folder` holds temporary files.
     pub fn new(
         tracking: Tracking,
         light: &Light,
@@ -154,12 +166,6 @@ impl TrackedLight {
         prepared: &PreparedScene,
         folder: &Path,
     ) -> Result<Self> {
-        let hours = tracking.of_suns.len();
-        let bytes = spots.list.len() as u64 * 12 * 4 * hours as u64;
-        if bytes > MAX_BYTES {
-            let what = message!("the memory of the hours of {} trackers, bytes", spots.list.len());
-            return Err(Error::Limit { what, value: bytes, max: MAX_BYTES });
-        }
         let mut sides: Vec<[TrackedSide; 2]> = vec![Default::default(); spots.list.len()];
         for (traced, archive) in archives.iter().enumerate() {
             let sunny = tracking.share_of_sun(traced);
