@@ -158,11 +158,12 @@ mod tests {
     use crate::pv::layout::{Outline, lay, tests::rows};
     use crate::pv::rows::RowsOfModules;
     use glam::DVec2;
+    use heliotile_core::site::place::Place;
     use heliotile_core::units::direction_from_degrees;
 
     /// Returns level modules of 1 m x 2 m, 5 m apart, on ground that rises `slope` to the east, and
     /// their rows.
-    fn field(axis_deg: f64, slope: f64) -> (RowsOfModules, Vec<Module>) {
+    fn field(axis_deg: f64, slope: f64, north: North) -> (RowsOfModules, Vec<Module>) {
         let tracker = Tracker { axis_deg, hub_m: 1.5, max_deg: 60.0, backtracks: true, step_deg: 10.0 };
         let of = RowsOfModules {
             turn: tracker.turn(0.0),
@@ -171,18 +172,16 @@ mod tests {
             clearance_m: 1.47,
             ..rows(0.0, axis_deg + 90.0, 0.0)
         };
-        let outline = Outline::of_rows(&of, [9, 40], DVec2::ZERO, North::default());
-        let laid = lay(&of, North::default(), &outline, |p| Some(slope * p.x));
+        let outline = Outline::of_rows(&of, [9, 40], DVec2::ZERO, north);
+        let laid = lay(&of, north, &outline, |p| Some(slope * p.x));
         assert_eq!(laid.modules.len(), 9 * 40);
         (of, laid.modules)
     }
 
-    /// Returns the lit share of the middle of the field by 4,000 rays at turned rectangles.
-    fn by_rays(of: &RowsOfModules, modules: &[Module], module: &Module, angle_deg: f64, sun: DVec3) -> f64 {
-        let tracker = of.tracker.expect("tracker");
-        let turned = |module: &Module| tracker.turned(module, angle_deg, North::default());
-        let all: Vec<Module> = modules.iter().map(turned).collect();
-        let [a, b, c, d] = turned(module).front;
+    /// Returns the lit share of a module by 4,000 rays at turned rectangles; the sun is in their
+    /// axes.
+    fn by_rays(all: &[Module], module: usize, sun: DVec3) -> f64 {
+        let [a, b, c, d] = all[module].front;
         let (foot, head) = ((a + b) / 2.0, (c + d) / 2.0);
         let meets = |p: DVec3, other: &Module| {
             let [a, b, _, d] = other.front;
@@ -198,20 +197,29 @@ mod tests {
         (0..4000).filter(is_lit).count() as f64 / 4000.0
     }
 
-    /// At 40 suns and angles, level and on a slope of 10 %, the lit share of modules in the middle
-    /// and at the ends of rows is that of rays to 0.001.
+    /// At 20 pairs of sun and angle, level, about turned axes and on a slope of 10 %, the lit share
+    /// of a module in the middle and of one at a corner of the field is that of rays to 0.001.
     #[test]
     fn shade_is_that_of_rays() {
-        for (axis_deg, slope) in [(180.0, 0.0), (155.0, 0.0), (180.0, 0.1)] {
-            let (of, modules) = field(axis_deg, slope);
-            let shade = RowShade::new(of.tracker.expect("tracker"), North::default(), modules.iter());
+        let turned_by = |convergence_deg| {
+            North::new(Some(&Place { latitude_deg: 50.0, longitude_deg: 9.0, convergence_deg, epsg: None }))
+        };
+        for (axis_deg, slope, north_deg) in
+            [(180.0, 0.0, 0.0), (155.0, 0.0, 0.0), (180.0, 0.1, 0.0), (170.0, 0.0, 25.0)]
+        {
+            let north = turned_by(north_deg);
+            let (of, modules) = field(axis_deg, slope, north);
+            let tracker = of.tracker.expect("tracker");
+            let shade = RowShade::new(tracker, north, modules.iter());
             let mut partial = 0;
             for (azimuth, altitude) in [(95.0, 4.0), (110.0, 15.0), (160.0, 8.0), (250.0, 12.0), (265.0, 25.0)] {
                 let sun = direction_from_degrees(azimuth, altitude);
                 for angle_deg in [-60.0, -35.0, 20.0, 50.0] {
+                    let all: Vec<Module> =
+                        modules.iter().map(|module| tracker.turned(module, angle_deg, north)).collect();
                     for module in [0, 4 * 40 + 20] {
                         let found = shade.lit(module, angle_deg, sun);
-                        let expected = by_rays(&of, &modules, &modules[module], angle_deg, sun);
+                        let expected = by_rays(&all, module, north.to_axes(sun));
                         assert!(
                             (found - expected).abs() < 1e-3,
                             "{azimuth} {altitude} {angle_deg}: {found} {expected}"
@@ -224,11 +232,11 @@ mod tests {
         }
     }
 
-    /// Rows that turn back are never shaded by their neighbours, and without it the share is 1 less
-    /// pitch over height times the cosine of the angle.
+    /// Rows that turn back are not shaded by their neighbours at four suns, and without it the lit
+    /// share is the cosine of the angle times pitch over height.
     #[test]
     fn turning_back_leaves_no_shade() {
-        let (of, modules) = field(180.0, 0.0);
+        let (of, modules) = field(180.0, 0.0, North::default());
         let tracker = of.tracker.expect("tracker");
         let shade = RowShade::new(tracker, North::default(), modules.iter());
         let middle = 4 * 40 + 20;

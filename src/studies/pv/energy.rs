@@ -5,6 +5,8 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
+use glam::DVec3;
+
 use super::pvwatts::{Inverter, Thermal, cover, dc};
 use super::spots::Spot;
 use super::worth::{Price, Worth, read_worths};
@@ -13,7 +15,7 @@ use heliotile_core::named::NamedValues;
 use heliotile_core::orientation::fan::Orientation;
 use heliotile_core::text::message;
 use heliotile_core::units::parse_percent;
-use heliotile_core::weather::conditions::{Condition, Instant};
+use heliotile_core::weather::conditions::Condition;
 use heliotile_requests::{DefaultRequest, Request};
 use heliotile_results::outputs::pv::energy::{ARRAY, ENERGIES, EnergySums, StringEnergy};
 use heliotile_results::outputs::pv::hourly::SideHours;
@@ -122,11 +124,11 @@ impl EnergyRequest {
 }
 
 /// Returns the transmittance of a cover for the sun of an hour, weighted by the light of its
-/// positions; `cosine` gives that of the angle of incidence of each.
-pub fn mean_cover(condition: &Condition, cosine: impl Fn(usize, &Instant) -> f64) -> f64 {
+/// positions; `normals` are those of the side at each.
+pub fn mean_cover(condition: &Condition, normals: impl Iterator<Item = DVec3>) -> f64 {
     let (mut light, mut passed) = (0.0, 0.0);
-    for (place, instant) in condition.suns.iter().enumerate() {
-        let cos = cosine(place, instant).max(0.0);
+    for (instant, normal) in condition.suns.iter().zip(normals) {
+        let cos = normal.dot(instant.sun).max(0.0);
         light += instant.weight * cos;
         passed += instant.weight * cos * cover(cos);
     }
@@ -257,7 +259,7 @@ impl<'a> Plant<'a> {
     /// Returns the transmittance of the cover of a fixed side for the sun of each hour.
     pub fn cover_of(&mut self, turn: Orientation, series: &Series) -> Rc<Vec<f64>> {
         let normal = turn.normal();
-        let mean = |condition: &Condition| mean_cover(condition, |_, instant| normal.dot(instant.sun));
+        let mean = |condition: &Condition| mean_cover(condition, std::iter::repeat(normal));
         let key = normal.to_array().map(f64::to_bits);
         let of = || Rc::new(series.conditions.iter().map(mean).collect());
         Rc::clone(self.covers.entry(key).or_insert_with(of))

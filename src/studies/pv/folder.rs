@@ -145,7 +145,10 @@ impl PvFolder {
         let mut all = vec![self.folder.join(SITE)];
         if angles.is_dir() {
             for entry in fs::read_dir(&angles).map_err(Error::io(&angles, "list"))? {
-                all.push(entry.map_err(Error::io(&angles, "list"))?.path());
+                let path = entry.map_err(Error::io(&angles, "list"))?.path();
+                // Other names are of files that `pv` did not write.
+                let is_angle = path.file_stem().is_some_and(|stem| stem.to_string_lossy().parse::<f64>().is_ok());
+                all.extend(is_angle.then_some(path));
             }
         }
         let is_other = |path: &PathBuf| path.extension().is_some_and(|end| end == "helio") && path.is_file();

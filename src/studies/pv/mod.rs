@@ -7,6 +7,7 @@ mod energy;
 mod folder;
 mod ground;
 mod light;
+mod module_build;
 mod modules;
 mod open_plain;
 mod pvwatts;
@@ -20,22 +21,18 @@ mod tracked;
 mod worth;
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
-use crate::site_build::{FolderOption, SiteBuild, SiteFolder};
 use energy::{Plant, WeatherRows};
 use folder::PvFolder;
 use ground::GroundSpot;
 use heliotile_builder::pipeline::PreparedScene;
 use heliotile_builder::siting::Siting;
-use heliotile_core::archive::Archive;
 use heliotile_core::error::{Error, Problem, Result, check_ranges};
-use heliotile_core::observer::{Observer, Tone};
+use heliotile_core::observer::Observer;
 use heliotile_core::site::north::North;
-use heliotile_core::text::Message;
 use heliotile_core::weather::options::WeatherOptions;
-use heliotile_files::writing::copy::folder_of;
 use heliotile_results::outputs::provenance::Provenance;
 use heliotile_results::resources::Resources;
 use heliotile_scene::Scene;
@@ -47,6 +44,7 @@ use heliotile_scene::pv::tracker::Tracker;
 use heliotile_scene::site::{Part, SceneFiles};
 use heliotile_weather::distance::far_apart;
 use light::Light;
+use module_build::ModuleBuild;
 use modules::{GEOMETRY, LaidRows, MATERIALS, PLAIN, plain_below};
 use spots::Spots;
 use tables::Results;
@@ -197,23 +195,9 @@ fn run(request: &PvRequest, about: Provenance, resources: &Resources) -> Result<
     };
     spots.turn_unturned(&searched);
     let build = ModuleBuild { request, site: &site, scene: &scene, files: &files, resources, north, observer };
-    let kept = beside.path();
     let archives = match (tracker, &laid) {
-        (Some(tracker), Some(laid)) => {
-            let angle = |(angle_deg, path): (f64, &PathBuf)| {
-                // The folder keeps the files of level modules.
-                let folder = if angle_deg == 0.0 { kept.to_owned() } else { kept.join("angle") };
-                fs::create_dir_all(&folder).map_err(Error::io(&folder, "create"))?;
-                let turned = laid.at(angle_deg);
-                let (spots, unwarned) = (Spots::of_modules(turned.modules(), &siting), Unwarned(observer));
-                let observer: &dyn Observer = if angle_deg == 0.0 { observer } else { &unwarned };
-                let build = ModuleBuild { observer, ..build };
-                build.trace(&spots, &[], Some(&turned), path, &folder)
-            };
-            let angles = tracker.angles_deg().into_iter().zip(&files.archives);
-            angles.map(angle).collect::<Result<Vec<_>>>()?
-        }
-        _ => vec![build.trace(&spots, &ground, laid.as_ref(), files.archive(), kept)?],
+        (Some(tracker), Some(laid)) => build.trace_angles(tracker, laid, &siting, beside.path())?,
+        _ => vec![build.trace(&spots, &ground, laid.as_ref(), files.archive(), beside.path())?],
     };
     let archive = &archives[archives.len() / 2];
     if let Some(plain) = &plain {
@@ -232,7 +216,7 @@ fn run(request: &PvRequest, about: Provenance, resources: &Resources) -> Result<
     let tracked = match (tracker, &laid) {
         (Some(tracker), Some(laid)) => {
             let tracking = Tracking::new(laid, tracker, Arc::clone(&light.hours(archive)?.conditions));
-            Some(TrackedLight::new(tracking, &light, &archives, &spots, &prepared, beside.path())?)
+            Some(TrackedLight::new(tracking, &light, &archives, archive, &spots, &prepared, beside.path())?)
         }
         _ => None,
     };
@@ -262,82 +246,6 @@ fn run(request: &PvRequest, about: Provenance, resources: &Resources) -> Result<
     table.extend(energy.map(|energy| format!("\n{}", energy.sentence())));
     let archive = files.archive().to_owned();
     Ok(PvDone { files: files.names(request), archive, folder: files.folder, table })
-}
-
-/// Observer of the build of one of several angles, whose warnings are those of level modules.
-struct Unwarned<'a>(&'a dyn Observer);
-
-impl Observer for Unwarned<'_> {
-    fn begin(&self, stage: &'static str, items: Option<u64>) {
-        self.0.begin(stage, items);
-    }
-
-    fn advance(&self, stage: &'static str, items: u64) {
-        self.0.advance(stage, items);
-    }
-
-    fn end(&self, stage: &'static str) {
-        self.0.end(stage);
-    }
-
-    fn tell(&self, tone: Tone, message: Message) {
-        if tone != Tone::Warning {
-            self.0.tell(tone, message);
-        }
-    }
-
-    fn cancelled(&self) -> bool {
-        self.0.cancelled()
-    }
-}
-
-/// How modules are traced.
-#[derive(Clone, Copy)]
-struct ModuleBuild<'a> {
-    request: &'a PvRequest,
-    site: &'a SceneFiles,
-    /// Scene without modules.
-    scene: &'a Scene,
-    files: &'a PvFolder,
-    resources: &'a Resources<'a>,
-    north: North,
-    observer: &'a dyn Observer,
-}
-
-impl ModuleBuild<'_> {
-    /// Returns the archive of modules, which shade and reflect: they are part of the traced scene.
-    /// Their files and the receivers go to `beside`.
-    fn trace(
-        &self,
-        spots: &Spots,
-        ground: &[GroundSpot],
-        laid: Option<&LaidRows>,
-        archive: &Path,
-        beside: &Path,
-    ) -> Result<Archive> {
-        let with_modules = match laid {
-            Some(laid) => {
-                let mut site = self.site.clone();
-                laid.add_to(&mut site, beside)?;
-                Some(Scene::load_site(&site)?)
-            }
-            None => None,
-        };
-        let traced = with_modules.as_ref().unwrap_or(self.scene);
-        let receivers = spots.write_receivers(ground, beside, self.north)?;
-        let accuracy = self.request.accuracy();
-        let Resources { memory, files, .. } = *self.resources;
-        let build = SiteBuild { memory, files, ..SiteBuild::new(traced, &receivers, &accuracy) };
-        let parent = folder_of(archive);
-        fs::create_dir_all(parent).map_err(Error::io(parent, "create"))?;
-        let folder = SiteFolder {
-            folder: &self.files.folder,
-            archive,
-            replace: self.request.replace,
-            named_by: FolderOption::Output,
-        };
-        build.ensure(&folder, self.observer)
-    }
 }
 
 /// Loads the scene; its objects are loaded only for rows, which may name surfaces.

@@ -47,7 +47,8 @@ pub struct PvRequest {
     #[field(flatten, heading = "Energy")]
     pub energy: EnergyRequest,
     /// Folder to write: points.csv, months.csv, ground.csv, ground_months.csv, energy.csv,
-    /// energy_months.csv, hourly.csv, horizon/, best.csv and the archive site.helio.
+    /// energy_months.csv, hourly.csv, horizon/, best.csv and the archive site.helio, or those of
+    /// trackers in angles/.
     #[field(name = "output", short = 'o', metavar = "FOLDER", output = Folder(&[]), required)]
     pub folder: PathBuf,
     /// Find the best tilt and azimuth of every point: best.csv, search.csv and a picture of each;

@@ -13,7 +13,7 @@ use super::open_plain::OpenPlain;
 use super::request::PvRequest;
 use super::shade::map_of;
 use super::spots::{Spot, SpotSide, Spots};
-use super::tracked::{TrackedLight, Tracking};
+use super::tracked::{TrackedLight, TrackedSide, Tracking};
 use heliotile_archives::transfer::ArchiveReceivers;
 use heliotile_builder::siting::Siting;
 use heliotile_core::archive::Archive;
@@ -69,15 +69,13 @@ impl Results<'_, '_> {
     ) -> Result<(Vec<SideSums>, SumsOnGround, Option<EnergySums>)> {
         let (files, about) = (self.files, self.about);
         let has_horizons = self.request.points.is_some();
-        let of_receiver = match self.tracked {
-            Some(_) => HashMap::new(),
-            None => self.of_receivers()?,
+        let (sides, ground) = match self.tracked {
+            Some(tracked) => (self.tracked_sums(tracked)?, SumsOnGround::default()),
+            None => {
+                let of_receiver = self.of_receivers()?;
+                (self.sums(scene, &of_receiver, has_horizons)?, self.sums_on_ground(scene, &of_receiver)?)
+            }
         };
-        let sides = match self.tracked {
-            Some(tracked) => self.tracked_sums(tracked)?,
-            None => self.sums(scene, &of_receiver, has_horizons)?,
-        };
-        let ground = self.sums_on_ground(scene, &of_receiver)?;
         if files.ground.is_some() {
             self.light.tell_par(self.archive)?;
         }
@@ -181,23 +179,20 @@ impl Results<'_, '_> {
     /// plain.
     fn tracked_sums(&self, tracked: &TrackedLight) -> Result<Vec<SideSums>> {
         let months = self.light.hours(self.archive)?.by(Every::Month);
-        let of_side = |(place, spot): (usize, &Spot), number: usize, side: &SpotSide| {
-            let found = tracked.side(place, number);
-            SideSums {
-                point: spot.name.clone(),
-                side: side.name,
-                position: spot.position,
-                turn: None,
-                open: MonthlySums::new(&tracked.open(spot.ground, number), &months.bins),
-                sky_view: found.sky_view,
-                horizon: String::new(),
-                bifacial_gain_percent: None,
-                months: MonthlySums::new(&found.hours, &months.bins),
-            }
+        let of_side = |spot: &Spot, ((side, found), open): ((&SpotSide, &TrackedSide), &MonthlySums)| SideSums {
+            point: spot.name.clone(),
+            side: side.name,
+            position: spot.position,
+            turn: None,
+            open: open.clone(),
+            sky_view: found.sky_view,
+            horizon: String::new(),
+            bifacial_gain_percent: None,
+            months: MonthlySums::new(&found.hours, &months.bins),
         };
         let of_spot = |(place, spot): (usize, &Spot)| {
-            let sides = spot.sides.iter().enumerate();
-            self.with_gain(sides.map(|(number, side)| of_side((place, spot), number, side)).collect())
+            let sides = spot.sides.iter().zip(tracked.sides(place)).zip(tracked.open(spot.ground));
+            self.with_gain(sides.map(|side| of_side(spot, side)).collect())
         };
         Ok(self.spots.list.iter().enumerate().flat_map(of_spot).collect())
     }
@@ -290,7 +285,8 @@ impl Results<'_, '_> {
     fn each_module(&self, mut each: impl FnMut(usize, &Spot, &[&SideHours]) -> Result<()>) -> Result<()> {
         let spots = &self.spots.list;
         if let Some(tracked) = self.tracked {
-            return spots.iter().enumerate().try_for_each(|(place, spot)| each(place, spot, &tracked.hours(place)));
+            let hours = |place| tracked.sides(place).iter().map(|side| &side.hours).collect::<Vec<_>>();
+            return spots.iter().enumerate().try_for_each(|(place, spot)| each(place, spot, &hours(place)));
         }
         let mut open: HashMap<usize, (usize, Vec<SideHours>)> = HashMap::new();
         self.light.hourly(self.archive, |id, hours| {
@@ -299,8 +295,7 @@ impl Results<'_, '_> {
             let (seen, sides) = open.entry(place).or_insert_with(|| (0, vec![SideHours::default(); spot.sides.len()]));
             *seen += 1;
             if let (Some(sum), Some(of)) = (sides.get_mut(side), spot.sides.get(side)) {
-                let share = 1.0 / of.receivers.len() as f32;
-                sum.add(&hours, |_| share);
+                sum.add(&hours, std::iter::repeat(1.0 / of.receivers.len() as f32));
             }
             if *seen < spot.sides.iter().map(|side| side.receivers.len()).sum() {
                 return Ok(());

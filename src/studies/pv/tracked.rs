@@ -6,7 +6,7 @@
 //! shade: its shade among modules is computed at the angle of each sun, by [`RowShade`]; the share
 //! that reaches the middle of a module through the surroundings is replayed.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -29,7 +29,9 @@ use heliotile_core::site::north::North;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::text::message;
 use heliotile_core::weather::conditions::{Condition, Instant};
+use heliotile_results::Every;
 use heliotile_results::outputs::pv::hourly::SideHours;
+use heliotile_results::outputs::pv::sums::MonthlySums;
 use heliotile_scene::Scene;
 use heliotile_scene::pv::row_shade::RowShade;
 use heliotile_scene::pv::tracker::Tracker;
@@ -90,14 +92,9 @@ impl Tracking {
 
     /// Returns the transmittance of the cover of a side for the sun of each hour.
     pub fn covers(&self, side: usize) -> Vec<f64> {
-        let cosine = |angles: &[f64], place: usize, instant: &Instant| {
-            let angle_deg = angles.get(place).copied().unwrap_or_default();
-            SIDES[side] * self.shade.normal(angle_deg).dot(instant.sun)
-        };
+        let normal = |angle_deg: &f64| SIDES[side] * self.shade.normal(*angle_deg);
         let hours = self.conditions.iter().zip(&self.of_suns);
-        hours
-            .map(|(condition, angles)| mean_cover(condition, |place, instant| cosine(angles, place, instant)))
-            .collect()
+        hours.map(|(condition, angles)| mean_cover(condition, angles.iter().map(normal))).collect()
     }
 
     /// Returns the beam on both sides of a module in each hour, W/m2, at the share of it that the
@@ -119,11 +116,9 @@ impl Tracking {
         beams
     }
 
-    /// Adds the light of a side at a traced angle to that of all angles; the sun's beam is left
-    /// out.
+    /// Adds the light of a side at a traced angle to that of all angles.
     fn mix(&self, sum: &mut SideHours, traced: usize, hours: &SideHours, share: f32) {
-        let weights = &self.weights[traced];
-        sum.add(hours, |hour| share * weights.get(hour).copied().unwrap_or_default());
+        sum.add(hours, self.weights[traced].iter().map(|weight| share * weight));
     }
 }
 
@@ -143,8 +138,8 @@ pub struct TrackedLight {
     pub tracking: Tracking,
     /// `[spot][side]`
     sides: Vec<[TrackedSide; 2]>,
-    /// Sides above an open plain of each ground.
-    open: HashMap<Option<u16>, [SideHours; 2]>,
+    /// Sums of the sides of a single tracker above an open plain of each ground.
+    open: HashMap<Option<u16>, [MonthlySums; 2]>,
 }
 
 /// Light on a side of a module, and the mean over the hours of the sun of the cosine-weighted share
@@ -156,12 +151,13 @@ pub struct TrackedSide {
 }
 
 impl TrackedLight {
-    /// Replays `archives`, one for each traced angle, and traces the middles of modules in the
-    /// scene without them; `folder` holds temporary files.
+    /// Replays `archives`, one for each traced angle, of which `level` is one, and traces the
+    /// middles of modules in the scene without them; `folder` holds temporary files.
     pub fn new(
         tracking: Tracking,
         light: &Light,
         archives: &[Archive],
+        level: &Archive,
         spots: &Spots,
         prepared: &PreparedScene,
         folder: &Path,
@@ -182,8 +178,8 @@ impl TrackedLight {
                 }
             }
         }
-        let level = archives.first().map(|archive| BuildSettings::of(&archive.manifest().settings)).unwrap_or_default();
-        let passed = passed(&tracking.conditions, light, spots, prepared, &level, folder)?;
+        let settings = BuildSettings::of(&level.manifest().settings);
+        let passed = passed(&tracking.conditions, light, spots, prepared, &settings, folder)?;
         let beams: Vec<[Vec<f32>; 2]> = (passed.par_iter().enumerate())
             .map(|(spot, passed)| tracking.beams(Some(spot), |hour| passed.get(hour).copied().unwrap_or(1.0)))
             .collect();
@@ -192,23 +188,18 @@ impl TrackedLight {
                 side.hours.0[0] = beam;
             }
         }
-        let open = tracking.open(light, archives, spots, prepared.scene, folder)?;
+        let open = tracking.open(light, level, spots, prepared.scene, folder)?;
         Ok(TrackedLight { tracking, sides, open })
     }
 
-    /// Returns a side of a spot.
-    pub fn side(&self, spot: usize, side: usize) -> TrackedSide {
-        self.sides.get(spot).and_then(|sides| sides.get(side)).cloned().unwrap_or_default()
+    /// Returns the sides of a spot, front and rear.
+    pub fn sides(&self, spot: usize) -> &[TrackedSide] {
+        self.sides.get(spot).map_or(&[], |sides| sides)
     }
 
-    /// Returns the hours of both sides of a spot.
-    pub fn hours(&self, spot: usize) -> Vec<&SideHours> {
-        self.sides.get(spot).into_iter().flatten().map(|side| &side.hours).collect()
-    }
-
-    /// Returns the light on a side of a single tracker on an open plain of a ground.
-    pub fn open(&self, ground: Option<u16>, side: usize) -> SideHours {
-        self.open.get(&ground).and_then(|sides| sides.get(side)).cloned().unwrap_or_default()
+    /// Returns the sums of the sides of a single tracker on an open plain of a ground.
+    pub fn open(&self, ground: Option<u16>) -> &[MonthlySums] {
+        self.open.get(&ground).map_or(&[], |sides| sides)
     }
 }
 
@@ -227,46 +218,43 @@ impl Tracking {
         sum / f64::max(count, 1.0)
     }
 
-    /// Returns the light on a single tracker above an open plain of each ground of the spots.
+    /// Returns the sums of a single tracker above an open plain of each ground of the spots.
     fn open(
         &self,
         light: &Light,
-        archives: &[Archive],
+        level: &Archive,
         spots: &Spots,
         scene: &Scene,
         folder: &Path,
-    ) -> Result<HashMap<Option<u16>, [SideHours; 2]>> {
-        let Some(archive) = archives.first() else { return Ok(HashMap::new()) };
+    ) -> Result<HashMap<Option<u16>, [MonthlySums; 2]>> {
         let fronts: Vec<Orientation> =
             self.tracker.angles_deg().iter().map(|angle| self.tracker.turn(*angle)).collect();
         let turn = |front: &Orientation, side: usize| Orientation::new(SIDES[side] * front.normal());
-        let mut found: HashMap<Option<u16>, [SideHours; 2]> = HashMap::new();
-        for ground in spots.list.iter().map(|spot| spot.ground) {
-            if found.contains_key(&ground) {
-                continue;
-            }
-            let mut plain: OpenPlain<SideHours> = OpenPlain::new(scene, archive, folder);
-            let wanted = fronts.iter().flat_map(|front| [0, 1].map(|side| (ground, turn(front, side))));
-            let replayed = |archive: &Archive| {
-                let mut all = HashMap::new();
-                light.hourly(archive, |id, hours| {
-                    all.insert(id.to_owned(), hours);
-                    Ok(())
-                })?;
-                Ok(all)
-            };
-            plain.learn(wanted, replayed, light.observer())?;
-            let beams = self.beams(None, |_| 1.0);
-            let mut sides: [SideHours; 2] = Default::default();
-            for ((side, sum), beam) in sides.iter_mut().enumerate().zip(beams) {
+        let grounds: HashSet<Option<u16>> = spots.list.iter().map(|spot| spot.ground).collect();
+        let on =
+            |ground: Option<u16>| fronts.iter().flat_map(move |front| [0, 1].map(|side| (ground, turn(front, side))));
+        let replayed = |archive: &Archive| {
+            let mut all = HashMap::new();
+            light.hourly(archive, |id, hours| {
+                all.insert(id.to_owned(), hours);
+                Ok(())
+            })?;
+            Ok(all)
+        };
+        let mut plain: OpenPlain<SideHours> = OpenPlain::new(scene, level, folder);
+        plain.learn(grounds.iter().flat_map(|ground| on(*ground)), replayed, light.observer())?;
+        let (beams, months) = (self.beams(None, |_| 1.0), light.hours(level)?.by(Every::Month));
+        let of_ground = |ground: Option<u16>| {
+            std::array::from_fn(|side| {
+                let mut hours = SideHours::default();
                 for (traced, front) in fronts.iter().enumerate() {
-                    self.mix(sum, traced, &plain.sums(ground, turn(front, side)), 1.0);
+                    self.mix(&mut hours, traced, &plain.sums(ground, turn(front, side)), 1.0);
                 }
-                sum.0[0] = beam;
-            }
-            found.insert(ground, sides);
-        }
-        Ok(found)
+                hours.0[0].clone_from(&beams[side]);
+                MonthlySums::new(&hours, &months.bins)
+            })
+        };
+        Ok(grounds.into_iter().map(|ground| (ground, of_ground(ground))).collect())
     }
 }
 

@@ -51,11 +51,11 @@ impl SideHours {
         SideHours(PARTS.map(|part| component(part).to_vec()))
     }
 
-    /// Adds the light of another side times the share of its hour.
-    pub fn add(&mut self, other: &SideHours, share: impl Fn(usize) -> f32) {
+    /// Adds the light of another side times the share of each hour.
+    pub fn add(&mut self, other: &SideHours, shares: impl Iterator<Item = f32> + Clone) {
         for (sum, more) in self.0.iter_mut().zip(&other.0) {
             sum.resize(more.len().max(sum.len()), 0.0);
-            sum.iter_mut().zip(more).enumerate().for_each(|(hour, (sum, value))| *sum += share(hour) * value);
+            sum.iter_mut().zip(more).zip(shares.clone()).for_each(|((sum, value), share)| *sum += share * value);
         }
     }
 

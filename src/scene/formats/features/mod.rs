@@ -87,20 +87,25 @@ fn each_feature(
     }
 }
 
-/// Reads the areas of the shapefile in a zip, as [`areas`] does; `None` if the zip holds none.
-pub(super) fn zipped_areas(file: &Path, scene: Option<u32>) -> Result<Option<(Vec<Outline>, Vec<Message>)>> {
-    let Some(parts) = input::zipped_shapefile(file)? else { return Ok(None) };
-    let mut collector = OutlineCollector::new(file);
-    let system = shapefile::read_parts(&parts, file, &mut |feature| collector.add(feature))?;
-    collector.finish(system, scene).map(Some)
+/// Hands the features of the shapefile in a zip to `take`, and returns their coordinate system;
+/// `None` if the zip holds none.
+fn each_zipped(file: &Path, take: &mut TakeFeature) -> Result<Option<FeatureSystem>> {
+    let parts = input::zipped_shapefile(file)?;
+    parts.map(|parts| shapefile::read_parts(&parts, file, take)).transpose()
 }
 
 /// Reads the shapefile in a zip; `None` if the zip holds none.
 pub(super) fn zipped_shapefile(file: &Path, asked: &ReadOptions) -> Result<Option<Geometry>> {
-    let Some(parts) = input::zipped_shapefile(file)? else { return Ok(None) };
     let mut collector = Collector::new(file, asked);
-    let system = shapefile::read_parts(&parts, file, &mut |feature| collector.add(feature))?;
-    collector.finish(system).map(Some)
+    let system = each_zipped(file, &mut |feature| collector.add(feature))?;
+    system.map(|system| collector.finish(system)).transpose()
+}
+
+/// Reads the areas of the shapefile in a zip, as [`areas`] does; `None` if the zip holds none.
+pub(super) fn zipped_areas(file: &Path, scene: Option<u32>) -> Result<Option<(Vec<Outline>, Vec<Message>)>> {
+    let mut collector = OutlineCollector::new(file);
+    let system = each_zipped(file, &mut |feature| collector.add(feature))?;
+    system.map(|system| collector.finish(system, scene)).transpose()
 }
 
 /// Reads the areas of a file of features, in metres of the system `scene`, and sentences for the
