@@ -272,10 +272,11 @@ pub fn run(folder: &Path, line: &str) -> (Option<i32>, String) {
     (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
 }
 
-/// `build --from` an archive without reflections, where no hit is stored, has the bytes of a build
-/// without, also if nothing has changed. Other settings and an archive of another site are reported
-/// and not used. An archive without its scene, and the archive that is to be written, are refused.
-/// A folder of `run --from` holds the archive of `run`.
+/// `build --from` an archive without reflections, where no hit is stored, or without further ones,
+/// where cells cast no rays, has the bytes of a build without, also if nothing has changed. Other
+/// settings and an archive of another site are reported and not used. An archive without its scene,
+/// and the archive that is to be written, are refused. A folder of `run --from` holds the archive
+/// of `run`.
 #[test]
 fn build_from_an_archive_has_the_bytes_of_a_build() {
     let folder = tempfile::tempdir().expect("a scratch folder");
@@ -301,7 +302,7 @@ fn build_from_an_archive_has_the_bytes_of_a_build() {
         assert_eq!(code, Some(0), "{line}: {said}");
         said
     };
-    for effects in ["none", "all"] {
+    for effects in ["none", "diffuse", "all"] {
         let build =
             |scene: &str, more: &str| done(&format!("build {scene}.obj -m m.toml -r r.csv --effects {effects} {more}"));
         build("a", &format!("-o a-{effects}.helio"));

@@ -251,9 +251,11 @@ pub fn may_see(key: CellKey, normal: DVec3, texture: &Directions, seen: &ChangeI
 }
 
 /// Splits `count` rays above and below the horizon in proportion to their shares, with at least one
-/// for each share that matters.
+/// for each share that matters. `count` is 0 where further reflections are left out, else at least
+/// 2.
 fn split(count: usize, above: f64, below: f64) -> (usize, usize) {
     match (above > NEGLIGIBLE, below > NEGLIGIBLE) {
+        _ if count == 0 => (0, 0),
         (false, false) => (0, 0),
         (true, false) => (count, 0),
         (false, true) => (0, count),
