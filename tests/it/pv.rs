@@ -306,6 +306,13 @@ fn wrong_input_is_refused_with_file_and_line() {
         "[[rows]]\nname = \"a\"\nsurface = \"roof\"\ntilt = 30\nazimuth = 180\npitch = 3\nwidth = 1\nheight = 2\n";
     folder.write("rows.toml", rows);
     folder.fails(&pv("--rows rows.toml"), "input unknown rows.toml roof");
+    let two = rows.replace("surface = \"roof\"", "area = [[0, 0], [9, 0], [9, 9], [0, 9]]");
+    let other = two.replace("azimuth = 180", "azimuth = 90").replacen("name = \"", "name = \"other", 1);
+    folder.write("rows.toml", &format!("{two}{other}"));
+    folder.refused(
+        &pv("--rows rows.toml"),
+        &["rows pass through each other at", "give each [[rows]] an area of its own"],
+    );
     folder.write("rows.toml", &rows.replace("surface = \"roof\"", "area = [[15, 0], [16, 0], [16, 1]]"));
     folder.fails(&pv("--rows rows.toml"), "input empty rows.toml");
     folder.write("rows.toml", &rows.replace("surface = \"roof\"", "area = [[0, 0], [9e7, 0], [9e7, 9e7]]"));

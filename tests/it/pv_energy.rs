@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use crate::cli::Folder;
+use crate::cli::{Folder, stderr};
 use crate::pv::{EVEN, PLACE, good, number, table};
 
 /// Far from anything, on endless ground that reflects 0.2.
@@ -125,6 +125,20 @@ fn rows_have_power_on_both_sides() {
     let gain = number(&both[0], "dc_kwh") / number(&front[0], "dc_kwh") - 1.0;
     // The rear warms the module, too.
     assert!((gain / (0.8 * sum("poa_back") / sum("poa_front")) - 1.0).abs() < 0.02, "{gain}");
+    // The loss of the array is that of its modules, which have equal ratings.
+    let points = table(&folder, "out/points.csv");
+    let losses: Vec<f64> =
+        points.iter().filter(|row| row["side"] == "front").map(|row| number(row, "shading_loss_percent")).collect();
+    let mean = losses.iter().sum::<f64>() / losses.len() as f64;
+    assert!((number(&front[0], "shading_loss_percent") - mean).abs() < 0.01, "{losses:?}");
+    assert_eq!(front[0]["shading_loss_percent"], front[1]["shading_loss_percent"]);
+    // Hours of another bifaciality do not stay beside sums of this one.
+    let said = stderr(&folder.run(&format!("{pv} --no-hourly --bifaciality 0.5").replace(" --replace", "")));
+    assert!(said.contains("hourly.csv") && said.contains("are removed"), "{said}");
+    assert!(!folder.path("out/hourly.csv").exists() && folder.path("out/energy.csv").exists());
+    folder.write("rows.toml", &rows.replace("kwp = 0.4", "kwp = 400"));
+    let said = stderr(&folder.run(&format!("{pv} --no-hourly").replace("-o out", "-o watts")));
+    assert!(said.contains("a module has 200.0 kW a square metre"), "{said}");
 }
 
 /// Two runs with their archives before and after a wall are compared by kind and by string: the

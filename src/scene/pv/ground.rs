@@ -4,7 +4,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::layout::{Module, Outline, RowAxes};
+use super::layout::{FLAT_M, Module, Outline, RowAxes};
 use super::rows::RowsOfModules;
 use heliotile_core::site::north::North;
 
@@ -95,14 +95,19 @@ impl<'a> GroundGrid<'a> {
         self.across.count * self.along.count
     }
 
-    /// Returns the free places in the area; `below` gives the height of the surface under a place
-    /// in plan, `off_m` is the distance of places from it.
+    /// Returns the free places in the area; `top` gives the height of the highest surface at a
+    /// place in plan, `off_m` is the distance of places from what rows stand on. Places on objects
+    /// that stand on a flat surface are left out.
     pub fn places<'m>(
         &self,
         off_m: f64,
-        below: impl Fn(DVec2) -> Option<f64>,
+        top: impl Fn(DVec2) -> Option<f64>,
         modules: impl Iterator<Item = &'m Module>,
     ) -> GroundPlaces {
+        let below = |p: DVec2| {
+            let (stand_m, top_m) = (self.outline.stand(p, &top)?, top(p)?);
+            (top_m <= stand_m + FLAT_M).then_some(stand_m)
+        };
         let (lines, in_line) = (self.across.count as usize, self.along.count as usize);
         let mut found = GroundPlaces::default();
         let mut positions: Vec<Option<DVec3>> = Vec::with_capacity(lines * in_line);

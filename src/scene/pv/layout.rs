@@ -27,6 +27,9 @@ pub struct Module {
 pub struct Outline {
     /// Edges, in any order and direction.
     edges: Vec<[DVec2; 2]>,
+    /// Plane of a flat surface: a point and the normal. Modules stand on it, not on what stands
+    /// there.
+    plane: Option<[DVec3; 2]>,
 }
 
 /// Step along a row after a place where a module does not fit, metres.
@@ -38,12 +41,19 @@ const ROUNDING_M: f64 = 1e-6;
 const OUTSIDE_M: f64 = 0.01;
 /// Height by which a surface may rise above a module's rear and still only touch it, metres.
 const TOUCHING_M: f64 = 1e-3;
+/// Largest distance of a flat surface's corners from its plane, metres.
+pub(super) const FLAT_M: f64 = 0.1;
+/// Smallest upward part of the normal of a flat surface on which modules stand: steeper ones are
+/// walls.
+const MIN_UP: f64 = 0.05;
+/// Change of height over [`SAMPLE_M`] that is a wall and no slope, metres.
+const WALL_M: f64 = 0.3;
 
 impl Outline {
     /// Returns the outline of a polygon.
     pub fn of_polygon(corners: &[DVec2]) -> Self {
         let next = corners.iter().cycle().skip(1);
-        Outline { edges: corners.iter().zip(next).map(|(a, b)| [*a, *b]).collect() }
+        Outline { edges: corners.iter().zip(next).map(|(a, b)| [*a, *b]).collect(), plane: None }
     }
 
     /// Returns the outline of a number of rows and of modules in each around a place in plan.
@@ -71,7 +81,27 @@ impl Outline {
             [only] => Some(only.1),
             _ => None,
         });
-        Outline { edges: once.collect() }
+        let point = surface.triangles.iter().flatten().next().copied().unwrap_or_default();
+        let off = |p: &DVec3| (*p - point).dot(surface.normal).abs();
+        let is_flat = surface.normal.z >= MIN_UP && surface.triangles.iter().flatten().all(|p| off(p) <= FLAT_M);
+        Outline { edges: once.collect(), plane: is_flat.then_some([point, surface.normal]) }
+    }
+
+    /// Returns the height that modules stand on at a place in plan: that of a flat surface,
+    /// whatever stands on it, or else of what is highest there.
+    pub(super) fn stand(&self, p: DVec2, top: impl Fn(DVec2) -> Option<f64>) -> Option<f64> {
+        match self.plane {
+            Some([point, normal]) => Some(point.z - (p - point.truncate()).dot(normal.truncate()) / normal.z),
+            None => top(p),
+        }
+    }
+
+    /// Returns true if the area is that of a wall or a line: it has no width in plan.
+    pub fn is_empty(&self) -> bool {
+        let start = self.edges.first().map_or(DVec2::ZERO, |edge| edge[0]);
+        let doubled: f64 = self.edges.iter().map(|[a, b]| (*a - start).perp_dot(*b - start)).sum();
+        let length: f64 = self.edges.iter().map(|[a, b]| a.distance(*b)).sum();
+        doubled.abs() <= OUTSIDE_M * length
     }
 
     /// Returns the largest number of places in plan that [`lay`] tries for rows at a pitch.
@@ -191,8 +221,8 @@ pub struct Laid {
     pub left_out: usize,
 }
 
-/// Lays out rows. `below` gives the height of the surface under a place in plan.
-pub fn lay(rows: &RowsOfModules, north: North, outline: &Outline, below: impl Fn(DVec2) -> Option<f64>) -> Laid {
+/// Lays out rows. `top` gives the height of the highest surface at a place in plan.
+pub fn lay(rows: &RowsOfModules, north: North, outline: &Outline, top: impl Fn(DVec2) -> Option<f64>) -> Laid {
     let axes = RowAxes::new(rows, north, outline);
     let RowAxes { faces, along, behind: [_, last], sides: [left, right] } = axes;
     let normal = north.to_axes(rows.turn.normal());
@@ -216,8 +246,8 @@ pub fn lay(rows: &RowsOfModules, north: North, outline: &Outline, below: impl Fn
             }
             side += rows.width_m + rows.gap_m;
             let module = |front| Module { name: String::new(), front, normal, thickness_m: rows.thickness_m };
-            let raised = raised(&plan, up * rows.height_m, normal, rows, &below).map(module);
-            let Some(module) = raised.filter(|module| turns_freely(module, rows, north, &below)) else {
+            let raised = raised(&plan, up * rows.height_m, normal, rows, outline, &top).map(module);
+            let Some(module) = raised.filter(|module| turns_freely(module, rows, north, &top)) else {
                 laid.left_out += 1;
                 continue;
             };
@@ -235,39 +265,53 @@ pub fn lay(rows: &RowsOfModules, north: North, outline: &Outline, below: impl Fn
 /// metres: thinner obstacles may be missed.
 const SAMPLE_M: f64 = 0.1;
 
-/// Returns the front of a module over its plan, at least the clearance above the surface below each
-/// corner of its rear. `None` without a surface below, or with an obstacle that is higher than the
-/// rear anywhere, or nearer than the clearance below the middle.
+/// Returns the front of a module over its plan, at least the clearance above what it stands on
+/// below each corner of its rear. `None` without a surface below, with an obstacle that is higher
+/// than the rear anywhere or nearer than the clearance below the middle, or half on a wall's top.
 fn raised(
     plan: &[DVec2; 4],
     up: DVec3,
     normal: DVec3,
     rows: &RowsOfModules,
-    below: &impl Fn(DVec2) -> Option<f64>,
+    outline: &Outline,
+    top: &impl Fn(DVec2) -> Option<f64>,
 ) -> Option<[DVec3; 4]> {
     let [a, b, c, d] = *plan;
     // The surface may end a little before the module does.
     let within = (a + c) / 2.0;
-    let below = |p: DVec2| below(p).or_else(|| below(p.move_towards(within, 2.0 * OUTSIDE_M)));
+    let top = |p: DVec2| top(p).or_else(|| top(p.move_towards(within, 2.0 * OUTSIDE_M)));
+    let stand = |p: DVec2| outline.stand(p, top);
+    let steps = |length_m: f64| (length_m / SAMPLE_M).ceil().max(1.0) as usize;
+    let mut walls_m = 0.0;
+    for [from, to] in [[a, b], [b, c], [c, d]] {
+        let count = steps(from.distance(to));
+        for i in 0..count {
+            let at = |i: usize| stand(from.lerp(to, i as f64 / count as f64));
+            let rise = at(i + 1)? - at(i)?;
+            walls_m += if rise.abs() > WALL_M { rise } else { 0.0 };
+        }
+        if walls_m.abs() > WALL_M {
+            return None;
+        }
+    }
     let rises = [0.0, 0.0, up.z, up.z];
     // The rear lies lower than the front.
     let down = normal.z * rows.thickness_m;
     let mut lowest = f64::NEG_INFINITY;
     for (p, rise) in plan.iter().zip(rises) {
-        lowest = lowest.max(below(*p)? + rows.clearance_m - rise + down);
+        lowest = lowest.max(stand(*p)? + rows.clearance_m - rise + down);
     }
     let front = [a.extend(lowest), b.extend(lowest), c.extend(lowest + up.z), d.extend(lowest + up.z)];
     let middle = front.iter().sum::<DVec3>() / 4.0;
-    if below(middle.truncate())? + rows.clearance_m > middle.z + ROUNDING_M {
+    if top(middle.truncate())? + rows.clearance_m > middle.z + ROUNDING_M {
         return None;
     }
-    let steps = |length_m: f64| (length_m / SAMPLE_M).ceil().max(1.0) as usize;
     let (across, along) = (steps(a.distance(b)), steps(a.distance(d)));
     for i in 0..=across {
         for j in 0..=along {
             let (right, back) = (i as f64 / across as f64, j as f64 / along as f64);
             let rear_m = lowest + back * up.z - down;
-            if below(a + (b - a) * right + (d - a) * back)? > rear_m + TOUCHING_M {
+            if top(a + (b - a) * right + (d - a) * back)? > rear_m + TOUCHING_M {
                 return None;
             }
         }
@@ -276,8 +320,8 @@ fn raised(
 }
 
 /// Returns true if a level module reaches its largest angles without a corner below the surface.
-fn turns_freely(module: &Module, rows: &RowsOfModules, north: North, below: &impl Fn(DVec2) -> Option<f64>) -> bool {
-    let is_above = |p: DVec3| below(p.truncate()).is_none_or(|z| p.z >= z - TOUCHING_M);
+fn turns_freely(module: &Module, rows: &RowsOfModules, north: North, top: &impl Fn(DVec2) -> Option<f64>) -> bool {
+    let is_above = |p: DVec3| top(p.truncate()).is_none_or(|z| p.z >= z - TOUCHING_M);
     let Some(tracker) = rows.tracker else { return true };
     let ends = [-tracker.max_deg, tracker.max_deg].map(|angle_deg| tracker.turned(module, angle_deg, north));
     ends.iter().flat_map(Module::rear).all(is_above)
@@ -409,6 +453,33 @@ pub(super) mod tests {
         for (x, y, radius, left_out) in [(4.5, 0.866, 0.3, 1), (4.25, 1.3, 0.15, 1), (5.0, 0.866, 0.15, 2)] {
             let pipe = |p: DVec2| Some(if p.distance(DVec2::new(x, y)) < radius { 9.0 } else { plane(p) });
             assert_eq!(lay(&rows, North::default(), &outline, pipe).left_out, left_out, "{x} {y}");
+        }
+    }
+
+    /// A hut of 4 m x 4 m and 2.65 m stands on a flat roof of 20 m x 10 m. On the surface of the
+    /// roof all modules stand at its height, none over the hut. On the same area others may stand
+    /// wholly on the hut's top, none half on it.
+    #[test]
+    fn modules_do_not_climb_a_hut() {
+        let hut = |p: DVec2| (12.0..=16.0).contains(&p.x) && (4.0..=8.0).contains(&p.y);
+        let top = |p: DVec2| Some(if hut(p) { 10.65 } else { 8.0 });
+        let corners = [(0.0, 0.0), (20.0, 0.0), (20.0, 10.0), (0.0, 10.0)].map(DVec2::from);
+        let area = Outline::of_polygon(&corners);
+        let surface = Outline { plane: Some([DVec3::new(3.0, 2.0, 8.0), DVec3::Z]), ..area.clone() };
+        for pitch_m in [2.2, 2.7, 3.0] {
+            let rows = RowsOfModules { pitch_m, ..rows(10.0, 180.0, 0.0) };
+            let on_surface = lay(&rows, North::default(), &surface, top);
+            let free = lay(&rows, North::default(), &surface, |_| Some(8.0)).modules.len();
+            assert!(on_surface.left_out >= 4, "{pitch_m}: {}", on_surface.left_out);
+            assert_eq!(on_surface.modules.len() + on_surface.left_out, free, "{pitch_m}");
+            for module in &on_surface.modules {
+                assert!(module.front.iter().all(|p| !hut(p.truncate())) && module.front[0].z < 9.0, "{module:?}");
+            }
+            for module in lay(&rows, North::default(), &area, top).modules {
+                let on_hut = module.front.iter().filter(|p| hut(p.truncate())).count();
+                let is_high = module.front[0].z > 10.0;
+                assert!(if is_high { on_hut == 4 } else { on_hut == 0 }, "{pitch_m} {module:?}");
+            }
         }
     }
 

@@ -3,6 +3,7 @@
 
 pub mod ground;
 pub mod layout;
+pub mod overlap;
 pub mod row_shade;
 pub mod rows;
 pub mod tracker;

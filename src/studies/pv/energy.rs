@@ -19,6 +19,7 @@ use heliotile_core::weather::conditions::Condition;
 use heliotile_requests::{DefaultRequest, Request};
 use heliotile_results::outputs::pv::energy::{ARRAY, ENERGIES, EnergySums, StringEnergy};
 use heliotile_results::outputs::pv::hourly::SideHours;
+use heliotile_results::outputs::pv::sums::SideSums;
 use heliotile_results::{Every, Resources, Series};
 use heliotile_weather::dated::DatedRows;
 use heliotile_weather::series::Weather;
@@ -86,6 +87,12 @@ fn parse_losses(text: &str) -> std::result::Result<f64, String> {
 /// Wind where the weather file states none, m/s: that of the nominal module temperature of IEC
 /// 61215.
 const USUAL_WIND_M_S: f64 = 1.0;
+
+/// Rated power above which modules would give more than the light that they are rated at, kW/m2.
+const MAX_KW_M2: f64 = 1.0;
+
+/// Area that a point stands for in that comparison, m2: that of a large roof.
+const LARGE_M2: f64 = 1000.0;
 
 /// Largest memory of the hours of all strings, bytes.
 const MAX_BYTES: u64 = 2 << 30;
@@ -209,7 +216,7 @@ impl<'a> Plant<'a> {
         let worths = read_worths(request.price.as_ref(), request.value.as_deref(), rows, resources)?;
         let mut strings: Vec<PlantString> = Vec::new();
         let mut of_name: HashMap<&str, usize> = HashMap::new();
-        let mut ratings = Vec::new();
+        let (mut ratings, mut strongest) = (Vec::new(), 0.0_f64);
         for spot in spots {
             let name = spot.rating.string.as_str();
             if name == ARRAY {
@@ -222,6 +229,7 @@ impl<'a> Plant<'a> {
                 strings.len() - 1
             });
             let kw = each_kw.or(spot.rating.kwp).unwrap_or_default();
+            strongest = strongest.max(kw / spot.front_m2().unwrap_or(LARGE_M2));
             strings.get_mut(string).into_iter().for_each(|string| string.kwp += kw);
             ratings.push((string, kw));
         }
@@ -229,6 +237,13 @@ impl<'a> Plant<'a> {
             let hint = "state the rated power of a module, kW";
             return Err(Error::input(modules, None, "all modules have a rated power of 0", hint)
                 .because(Problem::value("kwp", "0")));
+        }
+        if strongest > MAX_KW_M2 {
+            resources.observer.warn(format!(
+                "{}: a module has {:.1} kW a square metre, more than the light on it: is its rated power in watts?",
+                modules.display(),
+                strongest
+            ));
         }
         let bytes = strings.len() as u64 * air.len() as u64 * 8;
         if bytes > MAX_BYTES {
@@ -265,14 +280,16 @@ impl<'a> Plant<'a> {
         Rc::clone(self.covers.entry(key).or_insert_with(of))
     }
 
-    /// Returns the sums by month of the array and, if there are strings, of each.
-    pub fn sums(&self, series: &Series, interval_hours: f64) -> EnergySums {
+    /// Returns the sums by month of the array and, if there are strings, of each; `fronts` are
+    /// those of all modules in their order.
+    pub fn sums(&self, series: &Series, interval_hours: f64, fronts: &[&SideSums]) -> EnergySums {
         let months = series.by(Every::Month);
         let width = ENERGIES.len() + self.worths.len();
         let of = |name: &str, kwp: f64| StringEnergy {
             name: name.to_owned(),
             kwp,
             months: vec![vec![0.0; width]; months.labels.len()],
+            fronts: vec![[0.0; 2]; months.labels.len()],
         };
         let kwp: f64 = self.strings.iter().map(|string| string.kwp).sum();
         let mut all = of(ARRAY, kwp);
@@ -295,10 +312,15 @@ impl<'a> Plant<'a> {
                 sums.iter_mut().zip(&cells).for_each(|(sum, cell)| *sum += share * cell * interval_hours);
             }
         }
+        for ((string, kw), front) in self.ratings.iter().zip(fronts) {
+            all.add_front(*kw, front);
+            each.get_mut(*string).into_iter().for_each(|string| string.add_front(*kw, front));
+        }
         // Modules without a string are a part of the array only.
         each.retain(|string| !string.name.is_empty());
         let columns = self.worths.iter().map(|worth| worth.column.clone()).collect();
         let hours = interval_hours * months.bins.of_condition.len() as f64;
-        EnergySums { columns, strings: std::iter::once(all).chain(each).collect(), months: months.labels.text, hours }
+        let strings = std::iter::once(all).chain(each).collect();
+        EnergySums { columns, strings, months: months.labels.text, hours, bifaciality: None }
     }
 }

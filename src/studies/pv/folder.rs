@@ -11,6 +11,7 @@ use crate::run::made_from::MadeFrom;
 use crate::site_build::KEEP_OR_REPLACE;
 use heliotile_core::archive::Archive;
 use heliotile_core::error::{Error, Problem, Result};
+use heliotile_core::observer::Observer;
 use heliotile_files::writing::guards::guard_archive;
 use heliotile_results::outputs::pv::{horizon, shade};
 use heliotile_results::outputs::tables::format::files_of;
@@ -159,7 +160,14 @@ impl PvFolder {
 
     /// Records that the folder belongs to this archive and weather, so that results can be written
     /// there.
-    pub fn claim(&self, archive: &Archive, weather: &Weather, request: &PvRequest, spots: &Spots) -> Result<()> {
+    pub fn claim(
+        &self,
+        archive: &Archive,
+        weather: &Weather,
+        request: &PvRequest,
+        spots: &Spots,
+        observer: &dyn Observer,
+    ) -> Result<()> {
         let in_folder = |path: &Path| path.strip_prefix(&self.folder).ok().map(|name| name.display().to_string());
         let mut names: Vec<String> =
             self.tables(request).iter().flat_map(|table| files_of(table)).filter_map(|file| in_folder(&file)).collect();
@@ -172,8 +180,9 @@ impl PvFolder {
             names.extend(files_of(Path::new(shade::TABLE)).iter().map(|name| format!("shade/{}", name.display())));
             names.extend(shade::LAYOUTS.map(|name| format!("shade/{name}")));
         }
-        let mut now = MadeFrom::new(archive, weather, &request.weather, names);
-        now.claim(&self.folder, request.replace)?;
+        let options = request.value_options();
+        let mut now = MadeFrom::new(archive, weather, &request.weather, names).with_options(options);
+        now.claim(&self.folder, request.replace, observer)?;
         self.other_archives()?.iter().try_for_each(|other| fs::remove_file(other).map_err(Error::io(other, "remove")))
     }
 

@@ -212,7 +212,7 @@ fn run(request: &PvRequest, about: Provenance, resources: &Resources) -> Result<
         fs::rename(beside.path().join(name), &to).map_err(Error::io(&to, "rename to"))?;
     }
     observer.stop_if_cancelled("after the archive was complete")?;
-    files.claim(archive, &weather, request, &spots)?;
+    files.claim(archive, &weather, request, &spots, observer)?;
     let tracked = match (tracker, &laid) {
         (Some(tracker), Some(laid)) => {
             let tracking = Tracking::new(laid, tracker, Arc::clone(&light.hours(archive)?.conditions));

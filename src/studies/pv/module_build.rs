@@ -19,6 +19,7 @@ use heliotile_core::text::Message;
 use heliotile_files::writing::copy::folder_of;
 use heliotile_results::resources::Resources;
 use heliotile_scene::Scene;
+use heliotile_scene::points::receivers::ReceiverCsv;
 use heliotile_scene::pv::tracker::Tracker;
 use heliotile_scene::site::SceneFiles;
 
@@ -109,7 +110,10 @@ impl ModuleBuild<'_> {
         let receivers = spots.write_receivers(ground, beside, self.north)?;
         let accuracy = self.request.accuracy();
         let Resources { memory, files, .. } = *self.resources;
-        let build = SiteBuild { memory, files, ..SiteBuild::new(traced, &receivers, &accuracy) };
+        // Messages about receivers name the user's file.
+        let text = fs::read(&receivers).map_err(Error::io(&receivers, "read"))?;
+        let receivers = ReceiverCsv::Text { name: self.request.modules_file(), text: &text };
+        let build = SiteBuild { memory, files, ..SiteBuild::new(traced, receivers, &accuracy) };
         let parent = folder_of(archive);
         fs::create_dir_all(parent).map_err(Error::io(parent, "create"))?;
         let folder = SiteFolder {

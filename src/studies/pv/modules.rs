@@ -15,6 +15,7 @@ use heliotile_core::text::{counted, message};
 use heliotile_results::outputs::sink::write_texts;
 use heliotile_scene::covering::surfaces::Surfaces;
 use heliotile_scene::pv::layout::{Laid, Module, Outline, lay};
+use heliotile_scene::pv::overlap::crossing;
 use heliotile_scene::pv::rows::{MAX_MODULES, RowsGround, RowsOfModules, surface_named};
 use heliotile_scene::site::{Part, SceneFiles};
 
@@ -94,13 +95,13 @@ impl LaidRows {
             let Laid { modules, rows: in_rows, left_out } = lay(&rows, north, &outline, below);
             if modules.is_empty() {
                 let what = format!("the rows `{}`: no module fits", rows.name);
-                return Err(Error::input(
-                    file,
-                    None,
-                    what,
-                    "give a larger area, a smaller setback or another orientation",
-                )
-                .because(Problem::Empty));
+                let hint = match outline.is_empty() {
+                    true => {
+                        "rows stand on roofs and on the ground, and the surface is a wall; give modules of walls as points ({points})"
+                    }
+                    false => "give a larger area, a smaller setback or another orientation",
+                };
+                return Err(Error::input(file, None, what, hint).because(Problem::Empty));
             }
             let count = modules.len() as u64;
             if count > MAX_MODULES {
@@ -112,7 +113,7 @@ impl LaidRows {
             }
             if left_out > 0 {
                 observer.warn(format!(
-                    "{}: the rows `{}`: {} left out: no surface below, or an object passes through",
+                    "{}: the rows `{}`: {} left out: no surface below, an object passes through, or half of it would stand higher",
                     file.display(),
                     rows.name,
                     counted(left_out as u64, "module")
@@ -125,6 +126,18 @@ impl LaidRows {
                 counted(in_rows as u64, "row")
             ));
             fields.push(Field { rows, modules, outline, north });
+        }
+        let tables: Vec<&[Module]> = fields.iter().map(|field| field.modules.as_slice()).collect();
+        let crossing = crossing(&tables);
+        if let Some((module, other)) = crossing.first() {
+            let what = format!(
+                "rows pass through each other at {}, such as `{}` and `{}`",
+                counted(crossing.len() as u64, "module"),
+                module.name,
+                other.name
+            );
+            let hint = "give each [[rows]] an area of its own, or `at` other places";
+            return Err(Error::input(file, None, what, hint));
         }
         Ok(LaidRows { fields })
     }

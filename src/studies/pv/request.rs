@@ -98,6 +98,13 @@ pub struct PvRequest {
 }
 
 impl PvRequest {
+    /// Returns the options that results depend on besides archive and weather file, as text.
+    pub(super) fn value_options(&self) -> String {
+        let PvRequest { bifaciality, energy, sky, year, snow, snow_reflectance, .. } = self;
+        let searched = (self.tilts_deg, self.azimuths_deg);
+        format!("{:?}", (bifaciality, energy, sky, year, snow, snow_reflectance, searched, &self.about_weather))
+    }
+
     /// Returns a study of the modules of a table of points.
     pub fn new(
         scene: SceneRequest,

@@ -78,6 +78,12 @@ impl Spot {
         Spot { name, position: module.middle(), given: Some(rows.turn), found: None, ground, rating, sides }
     }
 
+    /// Returns the area of the front, m2; `None` of a point.
+    pub fn front_m2(&self) -> Option<f64> {
+        let front = self.sides.first()?;
+        Some(front.area_m2? * front.receivers.len() as f64)
+    }
+
     /// Returns the orientation of the front, which is flat while unknown.
     pub fn turn(&self) -> Orientation {
         self.given.or(self.found).unwrap_or(Orientation::FLAT)

@@ -97,7 +97,8 @@ impl Results<'_, '_> {
             fs::create_dir_all(&files.shade).map_err(Error::io(&files.shade, "create"))?;
             map.write(&files.shade, about)?;
         }
-        let energy = self.write_hours(plant)?;
+        let fronts: Vec<&SideSums> = sides.iter().filter(|side| side.side != "rear").collect();
+        let energy = self.write_hours(plant, &fronts)?;
         if let (Some(energy), Some([strings, by_month])) = (&energy, &files.energy) {
             energy.write(strings, about)?;
             energy.write_months(by_month, about)?;
@@ -242,7 +243,7 @@ impl Results<'_, '_> {
 
     /// Writes the hours of every point and module, if they are wanted, and returns the energy of an
     /// array.
-    fn write_hours(&self, mut plant: Option<Plant>) -> Result<Option<EnergySums>> {
+    fn write_hours(&self, mut plant: Option<Plant>, fronts: &[&SideSums]) -> Result<Option<EnergySums>> {
         let light = self.light;
         if plant.is_none() && !self.request.hourly {
             return Ok(None);
@@ -276,7 +277,10 @@ impl Results<'_, '_> {
             table.write(&spot.name, &columns)
         })?;
         table.map_or(Ok(()), HourlyTable::finish)?;
-        Ok(plant.map(|plant| plant.sums(&series, light.interval_hours())))
+        let has_rears = bifaciality > 0.0 && self.spots.list.iter().any(|spot| spot.sides.len() > 1);
+        let bifaciality = has_rears.then_some(bifaciality);
+        let sums = plant.map(|plant| plant.sums(&series, light.interval_hours(), fronts));
+        Ok(sums.map(|sums| EnergySums { bifaciality, ..sums }))
     }
 
     /// Hands over the hours of the sides of every point and module. Of fixed ones, memory holds

@@ -138,7 +138,7 @@ impl RunFiles {
             .into_iter()
             .filter_map(|file| file.file_name()?.to_str().map(str::to_owned));
         let mut now = MadeFrom::new(archive, weather, &request.weather, names.collect());
-        now.claim(&self.results, request.replace)?;
+        now.claim(&self.results, request.replace, observer)?;
         let stale = self.stale(&now);
         if !stale.is_empty() {
             observer.warn(message!(

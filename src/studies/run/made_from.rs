@@ -10,6 +10,8 @@ use serde::{Deserialize, Serialize};
 use crate::site_build::KEEP_OR_REPLACE;
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::{Error, Problem, Result};
+use heliotile_core::observer::Observer;
+use heliotile_core::text::{Message, message};
 use heliotile_core::weather::time::sun::Interval;
 use heliotile_results::outputs::sink::write_texts;
 use heliotile_weather::series::Weather;
@@ -18,7 +20,7 @@ use heliotile_weather::series::Weather;
 const FILE: &str = "made-from.json";
 
 /// Subfolders that may hold results.
-const INSIDE: [&str; 2] = ["horizon", "turns"];
+const INSIDE: [&str; 3] = ["horizon", "turns", "shade"];
 
 /// Largest size of the file, bytes: heliotile writes no larger one.
 const MAX_BYTES: u64 = 64 << 20;
@@ -31,6 +33,9 @@ pub struct MadeFrom {
     /// Hash of all data read from the weather file.
     weather_hash: String,
     archive_root: String,
+    /// Options that results depend on besides archive and weather, in any form.
+    #[serde(default)]
+    options: String,
     /// Names of results, in the folder or in one of [`INSIDE`].
     files: Vec<String>,
 }
@@ -42,8 +47,14 @@ impl MadeFrom {
             weather: file.display().to_string(),
             weather_hash: hash(weather),
             archive_root: format::hex(&archive.root()),
+            options: String::new(),
             files,
         }
+    }
+
+    /// Returns the record with options that results depend on.
+    pub fn with_options(self, options: String) -> Self {
+        MadeFrom { options, ..self }
     }
 
     /// Reads the record of a folder; `None` if it has none.
@@ -90,11 +101,20 @@ impl MadeFrom {
     }
 
     /// Writes the record into a folder. If the folder's results are of another archive or other
-    /// weather, they are removed if `replace` is true, or else refused.
-    pub fn claim(&mut self, folder: &Path, replace: bool) -> Result<()> {
-        if let Some(earlier) = MadeFrom::read(folder)? {
-            if earlier.is_same(self) {
+    /// weather, they are removed if `replace` is true, or else refused. Results of other options
+    /// that this run does not write anew are removed, with a warning.
+    pub fn claim(&mut self, folder: &Path, replace: bool, observer: &dyn Observer) -> Result<()> {
+        if let Some(mut earlier) = MadeFrom::read(folder)? {
+            if earlier.is_same(self) && earlier.options == self.options {
                 self.keep_files_of(&earlier);
+            } else if earlier.is_same(self) {
+                earlier.files.retain(|name| !self.files.contains(name));
+                let path = |name: &&String| path_of(folder, name).is_some_and(|path| path.is_file());
+                let stale: Vec<&str> = earlier.files.iter().filter(path).map(String::as_str).collect();
+                if !stale.is_empty() {
+                    observer.warn(&listed_removal(folder, &stale));
+                }
+                earlier.remove_files(folder)?;
             } else if replace {
                 earlier.remove_files(folder)?;
             } else {
@@ -136,6 +156,16 @@ impl MadeFrom {
         let text = serde_json::to_string_pretty(self).map_err(|e| Error::io(&path, "write")(e.into()))?;
         write_texts(folder, &[(FILE, text + "\n")])
     }
+}
+
+/// Returns the warning that results of other options are removed.
+fn listed_removal(folder: &Path, stale: &[&str]) -> Message {
+    /// Largest number of names in a warning.
+    const MOST: usize = 4;
+    let named = stale.iter().take(MOST).copied().collect::<Vec<_>>().join(", ");
+    let rest = stale.len().saturating_sub(MOST);
+    let rest = if rest > 0 { format!(" and {rest} more") } else { String::new() };
+    message!("{}: {named}{rest} of an earlier run with other options are removed", folder.display())
 }
 
 /// Returns the path of a result; `None` for a name that heliotile does not write: in another
@@ -192,7 +222,7 @@ mod tests {
         let bad = ["../kept.txt", "horizon/../../kept.txt", "turns/a.svg", "other/a.csv", "horizon/deeper/a.csv", ""];
         let files = ours.iter().chain(&bad).map(|name| (*name).to_string()).collect();
         let text = String::new;
-        let made = MadeFrom { weather: text(), weather_hash: text(), archive_root: text(), files };
+        let made = MadeFrom { weather: text(), weather_hash: text(), archive_root: text(), options: text(), files };
         made.remove_files(&folder).expect("removed");
         let there = |names: &[&str]| names.iter().filter(|name| folder.join(name).exists()).count();
         assert_eq!((there(&ours), there(&theirs)), (0, 5));

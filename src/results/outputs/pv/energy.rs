@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use super::sums::DECIMALS;
+use super::sums::{DECIMALS, SideSums, loss_percent};
 use crate::outputs::provenance::Provenance;
 use crate::outputs::tables::column::Column;
 use crate::outputs::tables::records::Records;
@@ -34,6 +34,9 @@ pub struct StringEnergy {
     pub kwp: f64,
     /// Sums, `[month][column]`: [`ENERGIES`], kWh, then the columns of worth.
     pub months: Vec<Vec<f64>>,
+    /// Light on the fronts and what they would have on an open plain, `[month]`, each weighted by
+    /// the rated power, kWh/m2 kW.
+    pub fronts: Vec<[f64; 2]>,
 }
 
 impl StringEnergy {
@@ -41,6 +44,18 @@ impl StringEnergy {
     fn all(&self) -> Vec<f64> {
         let width = self.months.first().map_or(0, Vec::len);
         (0..width).map(|column| self.months.iter().filter_map(|month| month.get(column)).sum()).collect()
+    }
+
+    /// Adds the light on a front of a rated power, kW, month by month.
+    pub fn add_front(&mut self, kw: f64, front: &SideSums) {
+        let months = self.fronts.iter_mut().zip(front.months.totals().zip(front.open.totals()));
+        months.for_each(|(sums, (light, open))| *sums = [sums[0] + kw * light, sums[1] + kw * open]);
+    }
+
+    /// Returns the loss of light on the fronts over all months, percent.
+    fn loss_percent(&self) -> Option<f64> {
+        let [light, open] = self.fronts.iter().fold([0.0; 2], |sum, month| [sum[0] + month[0], sum[1] + month[1]]);
+        loss_percent(light, open)
     }
 }
 
@@ -55,7 +70,12 @@ pub struct EnergySums {
     pub months: Vec<String>,
     /// Number of hours of the sums.
     pub hours: f64,
+    /// Bifaciality of modules with rears; `None` if only fronts count.
+    pub bifaciality: Option<f64>,
 }
+
+/// Column of the loss of light on the fronts to surroundings and other modules.
+const LOSS: &str = "shading_loss_percent";
 
 impl EnergySums {
     /// Returns the columns of sums.
@@ -69,11 +89,13 @@ impl EnergySums {
         let mut columns = vec![Column::text("string"), Column::number("kwp", DECIMALS).with_unit("kW")];
         columns.extend(self.columns());
         columns.push(Column::number("ac_kwh_kwp", DECIMALS).with_unit("kWh/kW"));
+        columns.push(Column::number(LOSS, DECIMALS));
         let rows = self.strings.iter().map(|string| {
             let sums = string.all();
             let per_kwp = sums.get(1).filter(|_| string.kwp > 0.0).map(|ac_kwh| ac_kwh / string.kwp);
             let texts = [Cell::from(&string.name), string.kwp.into()];
-            texts.into_iter().chain(sums.into_iter().map(Cell::from)).chain([per_kwp.into()]).collect()
+            let shares = [per_kwp, string.loss_percent()].map(Cell::from);
+            texts.into_iter().chain(sums.into_iter().map(Cell::from)).chain(shares).collect()
         });
         let rows = rows.collect();
         Records { columns, rows }.write(path, about).map(drop)
@@ -81,12 +103,14 @@ impl EnergySums {
 
     /// Writes a row for each month of the array and of each string.
     pub fn write_months(&self, path: &Path, about: &Provenance) -> Result<()> {
-        let columns = ["string", "month"].map(Column::text).into_iter().chain(self.columns()).collect();
+        let columns = ["string", "month"].map(Column::text).into_iter().chain(self.columns());
+        let columns = columns.chain([Column::number(LOSS, DECIMALS)]).collect();
         let rows = self.strings.iter().flat_map(|string| {
-            let months = self.months.iter().zip(&string.months);
-            months.map(|(label, sums)| {
+            let months = self.months.iter().zip(string.months.iter().zip(&string.fronts));
+            months.map(|(label, (sums, [light, open]))| {
                 let texts = [Cell::from(&string.name), label.into()];
-                texts.into_iter().chain(sums.iter().copied().map(Cell::from)).collect()
+                let sums = sums.iter().copied().map(Cell::from);
+                texts.into_iter().chain(sums).chain([loss_percent(*light, *open).into()]).collect()
             })
         });
         let rows = rows.collect();
@@ -108,6 +132,13 @@ impl EnergySums {
             array.kwp,
             energy / array.kwp
         );
+        if let Some(bifaciality) = self.bifaciality {
+            text += &format!(", with {:.0} % of the light on rears", 100.0 * bifaciality);
+        }
+        if let Some(loss) = array.loss_percent() {
+            let words = if loss < 0.0 { "adds" } else { "takes" };
+            text += &format!("; what stands around {words} {:.1} % of the light on fronts", loss.abs());
+        }
         for (column, name) in (ENERGIES.len()..).zip(&self.columns) {
             let unit = name.trim_start_matches("value").trim_start_matches('_');
             text += &match name.as_str() {
@@ -127,15 +158,19 @@ mod tests {
     /// a year; 72 hours are no year.
     #[test]
     fn the_sentence_is_of_a_year() {
-        let array = StringEnergy { name: ARRAY.into(), kwp: 4.0, months: vec![vec![4200.0, 4000.0, 1.0, 1200.0]; 2] };
+        let months = vec![vec![4200.0, 4000.0, 1.0, 1200.0]; 2];
+        let array = StringEnergy { name: ARRAY.into(), kwp: 4.0, months, fronts: vec![[3600.0, 4000.0]; 2] };
         let sums = EnergySums {
             columns: vec!["value_eur".into()],
             strings: vec![array],
             months: vec!["01".into(), "02".into()],
             hours: 17544.0,
+            bifaciality: Some(0.8),
         };
         let text = sums.sentence();
-        assert_eq!(text, "the array of 4.00 kWp gives 4000 kWh a year (1000 kWh per kWp); 1200.00 EUR a year\n");
+        let expected = "the array of 4.00 kWp gives 4000 kWh a year (1000 kWh per kWp), with 80 % of the light on rears; what \
+                        stands around takes 10.0 % of the light on fronts; 1200.00 EUR a year\n";
+        assert_eq!(text, expected);
         assert!(EnergySums { hours: 72.0, ..sums }.sentence().contains("gives 8000 kWh in 72 hours"));
     }
 }

@@ -97,10 +97,17 @@ impl ShadeMap {
     }
 
     fn crossing_deg(&self, column: usize) -> f64 {
-        let mut last: Option<(f64, f64)> = None;
+        let (mut last, mut is_edge): (Option<(f64, f64)>, bool) = (None, false);
         for (altitude, share) in altitudes_deg().zip(self.beam.get(column).into_iter().flatten()) {
             // Where the sun is behind the modules, nothing is known and nothing matters.
-            let Some(share) = *share else { continue };
+            let Some(share) = *share else {
+                is_edge = true;
+                continue;
+            };
+            // Next to it, modules that differ a little hide the sun from each other's plane.
+            if std::mem::take(&mut is_edge) && share < HALF {
+                continue;
+            }
             if share >= HALF {
                 return match last {
                     Some((below, less)) => below + (altitude - below) * (HALF - less) / (share - less),
@@ -134,13 +141,16 @@ impl ShadeMap {
 mod tests {
     use super::*;
 
-    /// Below 30 degrees in the east all is shaded, above nothing, and the sun is behind the modules
-    /// in the north: the horizon is 30 degrees at 90, and 0 elsewhere, in all layouts.
+    /// Below 30 degrees in the east all is shaded, above nothing. The sun is behind the modules in
+    /// the north, and up to 20 degrees in the north-west, where it grazes them next. The horizon is
+    /// 30 degrees at 90, and 0 elsewhere, in all layouts.
     #[test]
     fn layouts_show_the_same_wall() {
         let share = |azimuth: f64, altitude: f64| match azimuth {
             0.0..10.0 => None,
             80.0..=100.0 if altitude < 30.0 => Some(0.0),
+            340.0.. if altitude < 20.0 => None,
+            340.0.. if altitude < 22.0 => Some(0.3),
             _ => Some(1.0),
         };
         let column = |azimuth| altitudes_deg().map(|altitude| share(azimuth, altitude)).collect();

@@ -158,6 +158,6 @@ fn columns_of_sums() -> impl Iterator<Item = Column> {
 }
 
 /// Returns the loss against the sum on an open plain, percent.
-fn loss_percent(sum: f64, open: f64) -> Option<f64> {
+pub fn loss_percent(sum: f64, open: f64) -> Option<f64> {
     (open > 0.0).then(|| 100.0 * (1.0 - sum / open))
 }
