@@ -116,6 +116,7 @@ pub use heliotile_studies::{
     AuditReport, AuditRequest, ComfortSiteRequest, DaySpan, EnvelopeDone, EnvelopeRequest, FolderOption, GlareChoice,
     ReceiverSource, RepairRequest, RunDone, RunMap, RunRequest, SiteArchiveRequest, SiteBuild, SiteFolder,
     SunlightDone, SunlightRequest, TradeoffRequest, TreeShade, UpdateDone, UpdateRequest, Verdict, shipped_rules,
+    shipped_with,
 };
 pub use heliotile_weather::temperatures::Temperature;
 pub use site::{ReceiverTotal, Site, SiteOptions, SiteReplay};

@@ -24,7 +24,7 @@ use heliotile_requests::{DefaultRequest, Request};
 
 /// Returns the columns of the table.
 fn columns() -> Vec<Column> {
-    let numbers = ["x", "y", "z", "tilt_deg", "azimuth_deg", "total_kwh_m2", "module_kwh", "sky_view"];
+    let numbers = ["x", "y", "z", "tilt_deg", "azimuth_deg", "total_kwh_m2", "light_kwh", "sky_view"];
     let numbers = numbers.map(|name| Column::number(name, 3));
     let names = ["receiver", "surface", "building"].map(Column::text);
     std::iter::once(Column::text("point")).chain(numbers).chain(names).collect()

@@ -41,7 +41,7 @@ pub use run::{RunDone, RunMap, RunRequest};
 pub use site_build::{FolderOption, ReceiverSource, SiteArchiveRequest, SiteBuild, SiteFolder};
 pub use sunlight::{
     ClockHours, ClockZone, DaySpan, DaysTogether, GlareChoice, LitPart, Rule, RuleClock, RuleCount, RuleMeasure,
-    ShippedRules, SunlightDone, SunlightRequest, SunlightSite, Threshold, TreeShade, shipped_rules,
+    ShippedRules, SunlightDone, SunlightRequest, SunlightSite, Threshold, TreeShade, shipped_rules, shipped_with,
 };
 pub use tradeoff::{LadderStep, LadderTable, SettingPoint, TradeoffDone, TradeoffRequest};
 pub use update::{UpdateDone, UpdateRequest};

@@ -17,7 +17,7 @@ pub fn far_apart(place: &Place, weather: &Weather) -> Option<Message> {
     let spelt = |latitude, longitude| format!("{} {}", side(latitude, "N", "S"), side(longitude, "E", "W"));
     (distance > FAR_KM).then(|| {
         message!(
-            "the weather is that of {} ({}), {distance:.0} km from the scene at {}: {{weather}} should be of a place nearby",
+            "the weather is that of {} ({}), {distance:.0} km from the scene at {}: give {{weather}} of a place nearby, or {{crs}}, the coordinate system of the scene",
             weather.place.split_whitespace().collect::<Vec<_>>().join(" "),
             spelt(latitude, longitude),
             spelt(place.latitude_deg, place.longitude_deg)

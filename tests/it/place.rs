@@ -175,6 +175,9 @@ fn wrong_places_and_units_are_reported_before_work() {
     let plan = stderr(&folder.run("build --dry-run scene.obj -m materials.toml -r far.csv"));
     assert!(plan.contains("far.csv: all 2 receivers lie far from the scene"), "{plan}");
     assert!(plan.contains("is 90 km from the scene"), "{plan}");
+    folder.write("far_scene.obj", "v 78000 457000 0\nv 78009 457000 0\nv 78009 457009 0\nusemtl a\nf 1 2 3\n");
+    folder.write("swapped.csv", "receiver,x,y,z,nx,ny,nz\na,457001,78001,1,0,0,1\n");
+    folder.fails("build far_scene.obj -r swapped.csv -o a.helio", "input misplaced swapped.csv");
     let scene = std::fs::read_to_string(folder.path("scene.obj")).expect("written").replace('0', "0000");
     folder.write("mm.obj", &scene);
     let told = stderr(&folder.run("info mm.obj"));

@@ -34,14 +34,14 @@ use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::manifest::ReceiverSummary;
 use heliotile_core::archive::negligible::Negligible;
 use heliotile_core::archive::{Archive, Manifest, format};
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::memory::Use;
 use heliotile_core::observer::Observer;
 use heliotile_core::opened::SiteFacts;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::text::{Message, message};
 use heliotile_scene::Scene;
-use heliotile_scene::placing::plausible::far_receivers;
+use heliotile_scene::placing::plausible::{FarReceivers, far_receivers};
 use heliotile_scene::points::receivers::{ReceiverCsv, ReceiverRows};
 use layer_cache::LayerCache;
 use previous_build::PreviousBuild;
@@ -78,10 +78,8 @@ pub fn read_receivers<'a>(
     };
     let rows = ReceiverRows::open(table, scene.table_north(), &mut warnings)?.over(&surface);
     let receivers = ReceiverTiles::open(rows, scene.mesh.origin, &workspace.folder, budget)?;
-    let far = |farthest| far_receivers(scene, receivers.bounds(), farthest, receivers.count());
-    let named = |far: Message| Message::from(format!("{}: ", table.name().display())).and(far);
-    warnings.extend(receivers.farthest().and_then(far).map(named));
     warnings.iter().for_each(|warning| observer.warn(warning));
+    judge_distance(&receivers, scene, table.name(), observer)?;
     Ok(receivers)
 }
 
@@ -94,9 +92,25 @@ pub fn sort_receivers(
 ) -> Result<ReceiverTiles> {
     let budget = workspace.memory.length(Use::SortedReceivers);
     let receivers = ReceiverTiles::checked(rows, scene.mesh.origin, &workspace.folder, budget)?;
-    let far = |farthest| far_receivers(scene, receivers.bounds(), farthest, receivers.count());
-    receivers.farthest().and_then(far).iter().for_each(|warning| observer.warn(warning));
+    judge_distance(&receivers, scene, Path::new("receivers"), observer)?;
     Ok(receivers)
+}
+
+/// Warns of receivers far from the scene; `table` names them. Refuses those that would all lie in
+/// it with their coordinates swapped or in another unit.
+fn judge_distance(receivers: &ReceiverTiles, scene: &Scene, table: &Path, observer: &dyn Observer) -> Result<()> {
+    let far = |farthest| far_receivers(scene, receivers.bounds(), farthest, receivers.count());
+    match receivers.farthest().and_then(far) {
+        Some(FarReceivers { what, is_mistake: true }) => {
+            let hint = "give x, y and z of receivers in metres and in the coordinates of the scene";
+            Err(Error::input(table, None, what, hint).because(Problem::Misplaced))
+        }
+        Some(FarReceivers { what, .. }) => {
+            observer.warn(&Message::from(format!("{}: {what}", table.display())));
+            Ok(())
+        }
+        None => Ok(()),
+    }
 }
 
 /// Finished archives from which a build copies layers.

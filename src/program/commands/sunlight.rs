@@ -7,8 +7,7 @@ use super::replay::with_resources;
 use super::{Outcome, say};
 use crate::commands::console::voice::remark_aside;
 use heliotile::cases::{Envelope, Glare, Sunlight};
-use heliotile::requests::Problem;
-use heliotile::{Error, Provenance, Result, SunlightDone, shipped_rules};
+use heliotile::{Provenance, Result, SunlightDone, shipped_rules, shipped_with};
 
 /// `heliotile sunlight`.
 pub fn run(args: &Sunlight, about: Provenance) -> Result<Outcome> {
@@ -44,10 +43,9 @@ fn tell(done: &SunlightDone) -> Outcome {
 
 /// Prints the file of a rule, or the names of all rules.
 pub fn rules(name: &str) -> Result<Outcome> {
-    let shipped = shipped_rules()?;
     if name == "all" {
         let mut text = String::new();
-        for file in &shipped {
+        for file in &shipped_rules()? {
             // Writing to a string cannot fail.
             let _ = writeln!(text, "{}", file.name);
             for rule in &file.rules {
@@ -57,12 +55,6 @@ pub fn rules(name: &str) -> Result<Outcome> {
         say(&text)?;
         return Ok(Outcome::Fine);
     }
-    let Some(file) = shipped.iter().find(|file| file.name == name) else {
-        let names: Vec<&str> = shipped.iter().map(|file| file.name).collect();
-        let hint = format!("give all, or one of {}", names.join(", "));
-        let unknown = Problem::unknown(name, names);
-        return Err(Error::argument("rule", format!("`{name}` is not a known rule"), hint).because(unknown));
-    };
-    say(file.text)?;
+    say(shipped_with(name)?.text)?;
     Ok(Outcome::Fine)
 }

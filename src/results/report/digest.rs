@@ -92,6 +92,11 @@ impl TableDigest {
             digest.rows += 1;
         }
         digest.shown = kept.into_values().collect();
+        if digest.rules.len() > 1 {
+            // Values of rules that count minutes and percent have no common range.
+            let without_unit = digest.columns.iter_mut().zip(columns).filter(|(_, column)| column.unit.is_empty());
+            without_unit.for_each(|(summary, _)| summary.range = None);
+        }
         Ok(digest)
     }
 

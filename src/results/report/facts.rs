@@ -132,10 +132,12 @@ fn uncertainty(table: &DescribedTable, digest: &TableDigest) -> String {
     let stated =
         table.columns.iter().zip(&digest.columns).filter(|(column, _)| UNCERTAIN.contains(&column.name.as_str()));
     let most: Vec<String> = stated
-        .filter_map(|(column, found)| {
-            let [_, greatest] = found.range.as_ref()?;
-            let (name, unit) = (&column.name, &column.unit);
-            Some(format!("The column {name} says how far each value may be off: at most {greatest} {unit}"))
+        .map(|(column, found)| {
+            let most = match &found.range {
+                Some([_, greatest]) => format!(": at most {greatest} {}", column.unit),
+                None => ", in the unit of its rule".to_owned(),
+            };
+            format!("The column {} says how far each value may be off{most}", column.name)
         })
         .collect();
     match value(table, "stated_error") {

@@ -40,7 +40,7 @@ const FIRST_STOREYS: [&str; 3] = ["building:min_level", "min_level", "min_floor"
 /// Columns that name the building that a part belongs to (Overture).
 const WHOLES: [&str; 1] = ["building_id"];
 /// Columns that name a feature, in the order in which they are tried.
-const IDS: [&str; 13] = [
+const IDS: [&str; 14] = [
     "id",
     "@id",
     "full_id",
@@ -54,6 +54,7 @@ const IDS: [&str; 13] = [
     "objectid",
     "fid",
     "cleabs",
+    "name",
 ];
 
 /// Attributes of a feature, read under some options.

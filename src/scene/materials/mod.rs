@@ -2,7 +2,7 @@
 //! names without a description. Out: one checked material for each name in use.
 
 pub(crate) mod assumed;
-pub(crate) mod select;
+pub mod select;
 pub(crate) mod toml_file;
 
 use std::path::Path;

@@ -149,7 +149,7 @@ pub(crate) fn select(
 }
 
 /// Returns the name that a misspelt one most likely stands for; the first of equally similar names.
-pub(crate) fn nearest<'n>(name: &str, others: &[&'n str]) -> Option<&'n str> {
+pub fn nearest<'n>(name: &str, others: &[&'n str]) -> Option<&'n str> {
     /// Least similarity: names below it are other names.
     const MIN_ALIKE: f64 = 0.6;
     let name = name.to_lowercase();

@@ -287,9 +287,23 @@ pub fn far_objects(file: &Path, objects: [DVec3; 2], scene: [DVec3; 2]) -> Optio
     })
 }
 
-/// Returns a warning about receivers that lie far from all geometry: `low` and `high` bound all
-/// `count` of them, and one is the farthest.
-pub fn far_receivers(scene: &Scene, [low, high]: [DVec3; 2], farthest: &Receiver, count: usize) -> Option<Message> {
+/// Receivers that lie far from all geometry.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FarReceivers {
+    /// Who lies where, and a reason.
+    pub what: String,
+    /// True if all would lie at the scene with x and y swapped, or in another unit.
+    pub is_mistake: bool,
+}
+
+/// Returns the receivers that lie far from all geometry: `low` and `high` bound all `count` of
+/// them, and one is the farthest.
+pub fn far_receivers(
+    scene: &Scene,
+    [low, high]: [DVec3; 2],
+    farthest: &Receiver,
+    count: usize,
+) -> Option<FarReceivers> {
     let box_of = near_bounds(scene)?;
     let at = farthest.position;
     let apart_m = gap(box_of, [at; 2]);
@@ -300,17 +314,20 @@ pub fn far_receivers(scene: &Scene, [low, high]: [DVec3; 2], farthest: &Receiver
     let who = if all { format!("all {count} receivers lie far from the scene: ") } else { String::new() };
     let near = |position: DVec3| gap(box_of, [position; 2]) < 1_000.0;
     let local = at.truncate().abs().max_element() < FAR_RECEIVER_M;
-    let why = match at {
-        p if near(DVec3::new(p.y, p.x, p.z)) => "x and y look swapped".to_owned(),
-        p if near(0.001 * p) => "they look like millimetres, but are read as metres".to_owned(),
+    let mistake = match at {
+        p if near(DVec3::new(p.y, p.x, p.z)) => Some("x and y look swapped"),
+        p if near(0.001 * p) => Some("they look like millimetres, but are read as metres"),
         p if near(p / 0.3048) || near(0.3048 * p) => {
-            "the receivers or the scene look like feet, but are read as metres".to_owned()
+            Some("the receivers or the scene look like feet, but are read as metres")
         }
-        _ if local => "they look local: add the origin of the scene's coordinates to them".to_owned(),
-        _ => "are they in another coordinate system?".to_owned(),
+        _ => None,
     };
+    let why = mistake.unwrap_or(match local {
+        true => "they look local: add the origin of the scene's coordinates to them",
+        false => "are they in another coordinate system?",
+    });
     let [from, to] = box_of;
-    Some(format!(
+    let what = format!(
         "{who}receiver {} at {:.1} {:.1} is {:.0} km from the scene, which reaches from {:.1} {:.1} to {:.1} {:.1}: {why}",
         farthest.id,
         at.x,
@@ -320,5 +337,6 @@ pub fn far_receivers(scene: &Scene, [low, high]: [DVec3; 2], farthest: &Receiver
         from.y,
         to.x,
         to.y
-    ).into())
+    );
+    Some(FarReceivers { what, is_mistake: all && mistake.is_some() })
 }

@@ -181,15 +181,16 @@ fn receivers_far_away_get_a_reason() {
         far_receivers(&scene, [position; 2], &receiver, 4)
     };
     assert_eq!((said(78_001.0, 457_001.0), said(87_000.0, 457_001.0)), (None, None));
-    let far = said(168_010.0, 457_001.0).expect("far");
+    let far = said(168_010.0, 457_001.0).expect("far").what;
     assert!(far.contains("all 4 receivers") && far.contains("is 90 km from the scene"), "{far:?}");
-    for (x, y, words) in [
-        (457_001.0, 78_001.0, "x and y look swapped"),
-        (78_001_000.0, 457_001_000.0, "look like millimetres"),
-        (5.0, 5.0, "look local"),
-        (592_000.0, 5_770_000.0, "another coordinate system?"),
+    for (x, y, words, is_mistake) in [
+        (457_001.0, 78_001.0, "x and y look swapped", true),
+        (78_001_000.0, 457_001_000.0, "look like millimetres", true),
+        (5.0, 5.0, "look local", false),
+        (592_000.0, 5_770_000.0, "another coordinate system?", false),
     ] {
-        assert!(said(x, y).expect(words).contains(words), "{words}");
+        let far = said(x, y).expect(words);
+        assert!(far.what.contains(words) && far.is_mistake == is_mistake, "{far:?}");
     }
 }
 

@@ -9,6 +9,26 @@ use heliotile_files::csv_rows::CsvRows;
 /// Names that a column may have; messages use the first one.
 pub(super) type Names = &'static [&'static str];
 
+/// Columns that `receivers` and `places` write. Readers that need none of them are silent about
+/// them, since the tables are made to be read by them.
+const WRITTEN: [&str; 15] = [
+    "receiver",
+    "nx",
+    "ny",
+    "nz",
+    "area_m2",
+    "surface",
+    "object",
+    "building",
+    "kind",
+    "object_type",
+    "face",
+    "patch",
+    "total_kwh_m2",
+    "light_kwh",
+    "sky_view",
+];
+
 /// Column of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Found {
@@ -85,7 +105,8 @@ impl<'h> Header<'h> {
 
     /// Returns a warning about the columns that were not asked for; `None` if there are none.
     pub fn unused(&self) -> Option<Message> {
-        let names = self.rows.record.iter().zip(&self.used).filter(|(_, used)| !**used);
+        let names = self.rows.record.iter().zip(&self.used);
+        let names = names.filter(|(name, used)| !**used && !WRITTEN.contains(name));
         let names: Vec<String> = names.map(|(name, _)| format!("`{}`", excerpt(name.as_bytes()))).collect();
         let file = self.rows.file.display();
         match names.as_slice() {

@@ -26,5 +26,5 @@ pub use glare::GlareChoice;
 pub use heliotile_core::weather::time::clock_zone::ClockZone;
 pub use request::{RuleCount, SunlightDone, SunlightRequest, SunlightSite};
 pub use rule::{ClockHours, DaysTogether, LitPart, Rule, RuleClock, RuleMeasure, Threshold};
-pub use rule_files::{ShippedRules, own_rules, shipped_rules};
+pub use rule_files::{ShippedRules, own_rules, shipped_rules, shipped_with};
 pub use trees::TreeShade;

@@ -238,8 +238,7 @@ impl SunlightRequest {
         }));
         let Some(place) = place else {
             let what = "has no place on Earth, so the position of the sun is unknown";
-            let hint =
-                "build it with {latitude} and {longitude}, or with {crs}; or give {weather} to {command:sunlight}";
+            let hint = "build it with {latitude} and {longitude}, or with {crs}; or give {weather}";
             return Err(Error::input(archives.first().path(), None, what, hint).because(Problem::Lacks("place")));
         };
         if archives.manifest().place.is_none() {

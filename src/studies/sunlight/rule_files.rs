@@ -7,6 +7,7 @@ use serde::Deserialize;
 use super::rule::Rule;
 use heliotile_core::error::{Error, Problem, Result};
 use heliotile_files::input;
+use heliotile_scene::materials::select::nearest;
 use heliotile_scene::read_toml;
 
 /// Files of rules that come with the program: their names and texts.
@@ -53,12 +54,25 @@ pub fn shipped_rules() -> Result<Vec<ShippedRules>> {
     SHIPPED.into_iter().map(file).collect()
 }
 
+/// Returns the shipped file of a name, or the one that holds the rule of this name.
+pub fn shipped_with(name: &str) -> Result<ShippedRules> {
+    let shipped = shipped_rules()?;
+    let holds = |file: &ShippedRules| file.name == name || file.rules.iter().any(|rule| rule.name == name);
+    let names: Vec<&str> = shipped.iter().map(|file| file.name).collect();
+    let near = nearest(name, &names).map_or(String::new(), |near| format!("did you mean {near}? else "));
+    let hint = format!("{near}give {}, or a file of your own that ends with .toml", names.join(", "));
+    let unknown = Problem::unknown(name, names);
+    let found = shipped.into_iter().find(holds);
+    found.ok_or_else(|| Error::argument("rule", format!("`{name}` is not a known rule"), hint).because(unknown))
+}
+
 /// Returns the files among the names of rules: those that end with .toml.
 pub fn own_rules(names: &[String]) -> impl Iterator<Item = &Path> {
     names.iter().filter(|name| name.ends_with(".toml")).map(Path::new)
 }
 
-/// Reads the rules of files, given by the names of shipped ones or by paths that end with .toml.
+/// Reads the rules of files, given by the names of shipped ones, of single rules in them, or by
+/// paths that end with .toml.
 pub fn read_rules(names: &[String]) -> Result<Vec<Rule>> {
     let mut all: Vec<Rule> = Vec::new();
     for name in names {
@@ -68,14 +82,13 @@ pub fn read_rules(names: &[String]) -> Result<Vec<Rule>> {
                 let path = Path::new(name);
                 (path, String::from_utf8_lossy(&input::read(path)?).into_owned())
             }
-            None => {
-                let shipped: Vec<&str> = SHIPPED.iter().map(|(shipped, _)| *shipped).collect();
-                let hint = format!("give {}, or a file of your own that ends with .toml", shipped.join(", "));
-                let unknown = Problem::unknown(name, shipped);
-                return Err(Error::argument("rule", format!("`{name}` is not a known rule"), hint).because(unknown));
-            }
+            None => (Path::new(name), shipped_with(name)?.text.to_owned()),
         };
-        for rule in rules_of(path, &text)? {
+        let rules = rules_of(path, &text)?;
+        // The name of a rule, unless it is that of a file, stands for this rule alone.
+        let is_file = SHIPPED.iter().any(|(shipped, _)| shipped == name);
+        let is_one = !is_file && rules.iter().any(|rule| rule.name == *name);
+        for rule in rules.into_iter().filter(|rule| !is_one || rule.name == *name) {
             if let Some(same) = all.iter().find(|other| other.name == rule.name) {
                 let what = format!("two rules are named `{}`", same.name);
                 return Err(Error::input(path, None, what, "give each rule a name of its own, and each file once"));
@@ -130,6 +143,10 @@ mod tests {
             let error = rules_of(Path::new("own.toml"), &text).expect_err(says).to_string();
             assert!(error.contains(says) && error.contains("own.toml, line "), "{says}: {error}");
         }
+        let one = read_rules(&["en-17037-minimum".into()]).expect("one rule");
+        assert!(one.len() == 1 && one[0].name == "en-17037-minimum", "{one:?}");
+        let meant = read_rules(&["bre-grond".into()]).expect_err("a misspelt rule").to_string();
+        assert!(meant.contains("did you mean bre-ground?"), "{meant}");
         assert!(read_rules(&["tno".into()]).is_err_and(|error| error.to_string().contains("tno-light")));
         let twice = read_rules(&["tno-light".into(), "tno-light".into()]);
         assert!(twice.is_err_and(|error| error.to_string().contains("two rules")));

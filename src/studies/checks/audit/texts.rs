@@ -69,7 +69,12 @@ impl AuditReport {
                 percent(rmse.value, mean)
             );
         }
-        let _ = writeln!(out, "RMSE of totals: {:.2} W/m2; {}", self.total().rmse_w_m2.value, self.sentence);
+        let rmse = self.total().rmse_w_m2;
+        let rmse = match rmse.value {
+            0.0 if rmse.high > 0.0 => format!("below {:.2} W/m2, the noise of the reference", rmse.high),
+            value => format!("{value:.2} W/m2"),
+        };
+        let _ = writeln!(out, "RMSE of totals: {rmse}; {}", self.sentence);
         out
     }
 
