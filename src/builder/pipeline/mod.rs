@@ -106,7 +106,7 @@ fn judge_distance(receivers: &ReceiverTiles, scene: &Scene, table: &Path, observ
             Err(Error::input(table, None, what, hint).because(Problem::Misplaced))
         }
         Some(FarReceivers { what, .. }) => {
-            observer.warn(&Message::from(format!("{}: {what}", table.display())));
+            observer.warn(format!("{}: {what}", table.display()));
             Ok(())
         }
         None => Ok(()),

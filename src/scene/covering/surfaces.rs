@@ -19,7 +19,7 @@ use heliotile_core::site::semantics::{SourceFace, SurfaceKind};
 /// Least cosine between the normals of a triangle and of the first one of its surface (2 degrees).
 const SAME_DIRECTION: f64 = 0.999_390_8;
 /// Largest distance of a triangle's corners from the plane of its surface, metres.
-const SAME_PLANE_M: f64 = 0.1;
+pub(crate) const SAME_PLANE_M: f64 = 0.1;
 
 /// Width below which a triangle has no direction of its own, metres.
 const THIN_M: f64 = 1e-3;

@@ -4,8 +4,9 @@
 
 use glam::{DVec2, DVec3};
 
-use super::layout::{FLAT_M, Module, Outline, RowAxes};
+use super::layout::{Module, Outline, RowAxes};
 use super::rows::RowsOfModules;
+use crate::covering::surfaces::SAME_PLANE_M;
 use heliotile_core::site::north::North;
 
 /// A place of the grid.
@@ -106,7 +107,7 @@ impl<'a> GroundGrid<'a> {
     ) -> GroundPlaces {
         let below = |p: DVec2| {
             let (stand_m, top_m) = (self.outline.stand(p, &top)?, top(p)?);
-            (top_m <= stand_m + FLAT_M).then_some(stand_m)
+            (top_m <= stand_m + SAME_PLANE_M).then_some(stand_m)
         };
         let (lines, in_line) = (self.across.count as usize, self.along.count as usize);
         let mut found = GroundPlaces::default();

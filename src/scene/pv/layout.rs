@@ -4,7 +4,7 @@
 use glam::{DVec2, DVec3};
 
 use super::rows::RowsOfModules;
-use crate::covering::surfaces::Surface;
+use crate::covering::surfaces::{SAME_PLANE_M, Surface};
 use crate::plan::is_within;
 use heliotile_core::orientation::fan::Orientation;
 use heliotile_core::site::north::North;
@@ -41,8 +41,6 @@ const ROUNDING_M: f64 = 1e-6;
 const OUTSIDE_M: f64 = 0.01;
 /// Height by which a surface may rise above a module's rear and still only touch it, metres.
 const TOUCHING_M: f64 = 1e-3;
-/// Largest distance of a flat surface's corners from its plane, metres.
-pub(super) const FLAT_M: f64 = 0.1;
 /// Smallest upward part of the normal of a flat surface on which modules stand: steeper ones are
 /// walls.
 const MIN_UP: f64 = 0.05;
@@ -81,10 +79,12 @@ impl Outline {
             [only] => Some(only.1),
             _ => None,
         });
-        let point = surface.triangles.iter().flatten().next().copied().unwrap_or_default();
-        let off = |p: &DVec3| (*p - point).dot(surface.normal).abs();
-        let is_flat = surface.normal.z >= MIN_UP && surface.triangles.iter().flatten().all(|p| off(p) <= FLAT_M);
-        Outline { edges: once.collect(), plane: is_flat.then_some([point, surface.normal]) }
+        let is_flat = |[point, normal]: &[DVec3; 2]| {
+            let off = |p: &DVec3| (*p - *point).dot(*normal).abs();
+            normal.z >= MIN_UP && surface.triangles.iter().flatten().all(|p| off(p) <= SAME_PLANE_M)
+        };
+        let plane = surface.triangles.first().map(|[point, ..]| [*point, surface.normal]);
+        Outline { edges: once.collect(), plane: plane.filter(is_flat) }
     }
 
     /// Returns the height that modules stand on at a place in plan: that of a flat surface,
@@ -282,13 +282,14 @@ fn raised(
     let top = |p: DVec2| top(p).or_else(|| top(p.move_towards(within, 2.0 * OUTSIDE_M)));
     let stand = |p: DVec2| outline.stand(p, top);
     let steps = |length_m: f64| (length_m / SAMPLE_M).ceil().max(1.0) as usize;
-    let mut walls_m = 0.0;
+    let (mut height_m, mut walls_m) = (stand(a)?, 0.0);
     for [from, to] in [[a, b], [b, c], [c, d]] {
         let count = steps(from.distance(to));
-        for i in 0..count {
-            let at = |i: usize| stand(from.lerp(to, i as f64 / count as f64));
-            let rise = at(i + 1)? - at(i)?;
-            walls_m += if rise.abs() > WALL_M { rise } else { 0.0 };
+        for i in 1..=count {
+            let next_m = stand(from.lerp(to, i as f64 / count as f64))?;
+            let rise_m = next_m - height_m;
+            walls_m += if rise_m.abs() > WALL_M { rise_m } else { 0.0 };
+            height_m = next_m;
         }
         if walls_m.abs() > WALL_M {
             return None;

@@ -112,7 +112,7 @@ impl MadeFrom {
                 let path = |name: &&String| path_of(folder, name).is_some_and(|path| path.is_file());
                 let stale: Vec<&str> = earlier.files.iter().filter(path).map(String::as_str).collect();
                 if !stale.is_empty() {
-                    observer.warn(&listed_removal(folder, &stale));
+                    observer.warn(listed_removal(folder, &stale));
                 }
                 earlier.remove_files(folder)?;
             } else if replace {
