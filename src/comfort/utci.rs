@@ -69,84 +69,30 @@ pub fn utci_c(input: &UtciInput) -> Option<f64> {
     Some(air_temperature_c + utci_excess_k(&input))
 }
 
-/// Category of thermal stress of a UTCI: the ten categories by Bröde and others, 2012, from cold to
-/// hot.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum StressCategory {
-    /// Up to -40 degrees Celsius.
-    ExtremeColdStress,
-    /// Above -40 up to -27 degrees Celsius.
-    VeryStrongColdStress,
-    /// Above -27 up to -13 degrees Celsius.
-    StrongColdStress,
-    /// Above -13 up to 0 degrees Celsius.
-    ModerateColdStress,
-    /// Above 0 up to 9 degrees Celsius.
-    SlightColdStress,
-    /// Above 9 up to 26 degrees Celsius.
-    NoThermalStress,
-    /// Above 26 up to 32 degrees Celsius.
-    ModerateHeatStress,
-    /// Above 32 up to 38 degrees Celsius.
-    StrongHeatStress,
-    /// Above 38 up to 46 degrees Celsius.
-    VeryStrongHeatStress,
-    /// Above 46 degrees Celsius.
-    ExtremeHeatStress,
+/// Category of thermal stress of a UTCI (Bröde and others, 2012).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StressCategory {
+    /// Name in the literature.
+    pub name: &'static str,
+    /// Highest UTCI of the category, degrees Celsius; infinity for the hottest one. A UTCI on a
+    /// limit belongs to the colder category, as in pythermalcomfort.
+    pub upper_limit_c: f64,
 }
 
 impl StressCategory {
     /// All categories from cold to hot.
     pub const ALL: [StressCategory; 10] = [
-        StressCategory::ExtremeColdStress,
-        StressCategory::VeryStrongColdStress,
-        StressCategory::StrongColdStress,
-        StressCategory::ModerateColdStress,
-        StressCategory::SlightColdStress,
-        StressCategory::NoThermalStress,
-        StressCategory::ModerateHeatStress,
-        StressCategory::StrongHeatStress,
-        StressCategory::VeryStrongHeatStress,
-        StressCategory::ExtremeHeatStress,
+        StressCategory { name: "extreme cold stress", upper_limit_c: -40.0 },
+        StressCategory { name: "very strong cold stress", upper_limit_c: -27.0 },
+        StressCategory { name: "strong cold stress", upper_limit_c: -13.0 },
+        StressCategory { name: "moderate cold stress", upper_limit_c: 0.0 },
+        StressCategory { name: "slight cold stress", upper_limit_c: 9.0 },
+        StressCategory { name: "no thermal stress", upper_limit_c: 26.0 },
+        StressCategory { name: "moderate heat stress", upper_limit_c: 32.0 },
+        StressCategory { name: "strong heat stress", upper_limit_c: 38.0 },
+        StressCategory { name: "very strong heat stress", upper_limit_c: 46.0 },
+        StressCategory { name: "extreme heat stress", upper_limit_c: f64::INFINITY },
     ];
-
-    /// Returns the category of a UTCI; `None` for NaN. A UTCI on a limit belongs to the colder
-    /// category, as in pythermalcomfort.
-    pub fn by_utci(utci_c: f64) -> Option<Self> {
-        Self::ALL.into_iter().find(|category| utci_c <= category.upper_limit_c())
-    }
-
-    /// Returns the highest UTCI of the category, degrees Celsius; infinity for the hottest one.
-    pub const fn upper_limit_c(self) -> f64 {
-        match self {
-            StressCategory::ExtremeColdStress => -40.0,
-            StressCategory::VeryStrongColdStress => -27.0,
-            StressCategory::StrongColdStress => -13.0,
-            StressCategory::ModerateColdStress => 0.0,
-            StressCategory::SlightColdStress => 9.0,
-            StressCategory::NoThermalStress => 26.0,
-            StressCategory::ModerateHeatStress => 32.0,
-            StressCategory::StrongHeatStress => 38.0,
-            StressCategory::VeryStrongHeatStress => 46.0,
-            StressCategory::ExtremeHeatStress => f64::INFINITY,
-        }
-    }
-
-    /// Returns the name in the literature.
-    pub const fn name(self) -> &'static str {
-        match self {
-            StressCategory::ExtremeColdStress => "extreme cold stress",
-            StressCategory::VeryStrongColdStress => "very strong cold stress",
-            StressCategory::StrongColdStress => "strong cold stress",
-            StressCategory::ModerateColdStress => "moderate cold stress",
-            StressCategory::SlightColdStress => "slight cold stress",
-            StressCategory::NoThermalStress => "no thermal stress",
-            StressCategory::ModerateHeatStress => "moderate heat stress",
-            StressCategory::StrongHeatStress => "strong heat stress",
-            StressCategory::VeryStrongHeatStress => "very strong heat stress",
-            StressCategory::ExtremeHeatStress => "extreme heat stress",
-        }
-    }
 }
 
 #[cfg(test)]
@@ -228,14 +174,10 @@ mod tests {
     /// Categories are in order, each ends where the next begins, and a UTCI on a limit, such as
     /// -40, 9, 26 and 46, belongs to the colder one.
     #[test]
-    fn a_utci_on_a_limit_has_the_colder_category() {
+    fn categories_go_from_cold_to_hot() {
         for (colder, hotter) in StressCategory::ALL.into_iter().zip(StressCategory::ALL.into_iter().skip(1)) {
-            assert!(colder < hotter && colder.upper_limit_c() < hotter.upper_limit_c());
-            assert_eq!(StressCategory::by_utci(colder.upper_limit_c()), Some(colder));
-            assert_eq!(StressCategory::by_utci(colder.upper_limit_c() + 1e-9), Some(hotter));
-            assert_ne!(colder.name(), hotter.name());
+            assert!(colder.upper_limit_c < hotter.upper_limit_c, "{colder:?}");
+            assert_ne!(colder.name, hotter.name);
         }
-        assert_eq!(StressCategory::by_utci(20.0).map(StressCategory::name), Some("no thermal stress"));
-        assert_eq!(StressCategory::by_utci(f64::NAN), None);
     }
 }

@@ -5,15 +5,6 @@ use super::columns::ComfortColumn;
 use crate::utci::StressCategory;
 use heliotile_core::weather::time::bins::Bins;
 
-/// Categories of the UTCI whose upper limits are the usual thresholds: moderate to extreme heat
-/// stress begin there.
-const BELOW_THRESHOLDS: [StressCategory; 4] = [
-    StressCategory::NoThermalStress,
-    StressCategory::ModerateHeatStress,
-    StressCategory::StrongHeatStress,
-    StressCategory::VeryStrongHeatStress,
-];
-
 /// Way in which a value of a period follows from its hours.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PeriodSum {
@@ -29,7 +20,8 @@ impl PeriodSum {
     /// Returns the UTCI at which moderate, strong, very strong and extreme heat stress begin,
     /// degrees Celsius.
     pub fn usual_thresholds_c() -> [f64; 4] {
-        BELOW_THRESHOLDS.map(StressCategory::upper_limit_c)
+        let [_, _, _, _, _, none, moderate, strong, very_strong, _] = StressCategory::ALL;
+        [none, moderate, strong, very_strong].map(|below| below.upper_limit_c)
     }
 
     /// Returns the values of a column that rows of periods have.

@@ -30,13 +30,13 @@ macro_rules! for_each_setting {
                 "Smallest edge of a cell that receivers see, metres.";
             probe: u32 as usize, PowerOfTwo(8, 128), Seen [8, 16, 16, 32, 32, 32, 64, 128],
                 "Side of a probe's sky texture, and of the response.";
-            probe_hits: u32 as usize, Whole(2, 4096), Bounced [4, 8, 8, 16, 16, 32],
+            probe_hits: u32 as usize, Whole(2, 4096), Bounced [2, 4, 4, 8, 16, 32],
                 "Rays of a probe to the surfaces around it.";
-            closed_m: f64 as f64, Real(0.5, 1024.0), Bounced [32.0, 32.0, 16.0, 4.0, 2.0, 1.0],
+            closed_m: f64 as f64, Real(0.5, 1024.0), Bounced [32.0, 32.0, 8.0, 4.0, 2.0, 1.0],
                 "Edge of the bounce cells at middle distance, metres; those and coarser ones are solved together.";
             bounce_sky: u32 as usize, PowerOfTwo(8, 64), Bounced [8, 8, 16, 16, 16, 16],
                 "Side of the sky texture of a bounce cell.";
-            bounce_hits: u32 as usize, Whole(2, 4096), Bounced [8, 8, 8, 16, 16, 32],
+            bounce_hits: u32 as usize, Whole(2, 4096), Bounced [4, 4, 4, 8, 16, 32],
                 "Rays of a bounce cell to the surfaces around it.";
             patches: u32 as usize, OneOf(&[145, 577, 2305]), Patches [145, 577, 2305],
                 "Sky patches that replay takes if it is not told otherwise.";

@@ -83,9 +83,9 @@ impl People {
     /// the UTCI, and the receivers that look up.
     pub fn answer(people: Option<&People>) -> Answer {
         let names = |asked: &[ComfortColumn]| asked.iter().flat_map(|column| column.names()).collect::<Vec<_>>();
-        let stress = StressCategory::ALL.map(|category| {
-            let to = Some(category.upper_limit_c()).filter(|limit| limit.is_finite());
-            json!({ "name": category.name(), "to": to })
+        let stress = StressCategory::ALL.map(|StressCategory { name, upper_limit_c }| {
+            let to = Some(upper_limit_c).filter(|limit| limit.is_finite());
+            json!({ "name": name, "to": to })
         });
         let up = people.map_or_else(Vec::new, |people| {
             people.of_receiver.iter().map(|(_, plane)| u8::from(*plane == 0)).collect::<Vec<_>>()
