@@ -289,7 +289,7 @@ fn a_wall_reflects_diffusely_and_like_a_mirror() {
 
 /// A room is open to the sky through a part of its roof; two facing walls are 0.85 mirror and 0.05
 /// diffuse, all else is white (0.8). The light that its surfaces absorb and that leaves is the
-/// light that enters, within 2 % and the loss that the build reports (at most 12 %), and never more
+/// light that enters, within 2 % and the loss that the build reports (at most 16 %), and never more
 /// than 1 % above, wherever cells cut the room: at three places.
 #[test]
 fn a_room_of_mirrors_conserves_energy() {
@@ -339,7 +339,7 @@ fn room_at(corner: DVec3) {
     let found = (absorbed + left) / came;
     println!("room of mirrors: {found:.4} of what comes in is found, lost {:.4?}", site.report.lost_in_mirrors);
     let lost = site.report.lost_in_mirrors.into_iter().fold(0.0, f64::max);
-    assert!(found < 1.01 && found > 1.0 - 0.02 - lost && lost < 0.12, "{corner}: {found} {lost}");
+    assert!(found < 1.01 && found > 1.0 - 0.02 - lost && lost < 0.16, "{corner}: {found} {lost}");
 }
 
 /// If no surface is a mirror, or no receiver and no cell can see one, no ray is cast for mirrors
