@@ -2,9 +2,10 @@
 //! sky. Out: the crossings along a ray through each.
 //!
 //! Rays are cast through every second texel of every second row. In between, the codes of lengths
-//! in volumes are interpolated, unless they differ much: there is an edge, and a ray is cast. The
-//! sun at the edge of a crown needs fine texels, the middle of a crown does not. The layer predicts
-//! the same codes, so that interpolated ones take next to no bytes.
+//! in volumes are interpolated, and numbers of screens are those around. Where codes differ much,
+//! or numbers at all, there is an edge, and a ray is cast. The sun at the edge of a crown needs
+//! fine texels, the middle of a crown does not. The layer predicts the same codes, so that
+//! interpolated ones take next to no bytes.
 
 use std::collections::BTreeMap;
 
@@ -72,22 +73,27 @@ impl Canopies<'_> {
         passages.iter().map(|passage| (passage.place as usize, counts(passage))).collect()
     }
 
-    /// Returns the counts between some rays: mean codes in volumes, and the crossings of the first
-    /// ray. `None` if the rays are none or differ much in volumes.
+    /// Returns the counts between some rays: mean codes in volumes, and equal numbers of crossings.
+    /// `None` if the rays are none, differ much in volumes, or cross unequal numbers of screens.
     fn between(&self, rays: &[&Counts]) -> Option<Counts> {
-        let first = rays.first()?;
+        if rays.is_empty() {
+            return None;
+        }
         let of = |counts: &Counts, material: u16| counts.iter().find(|one| one.0 == material).map_or(0, |one| one.1);
         let mut materials: Vec<u16> = rays.iter().flat_map(|counts| counts.iter().map(|one| one.0)).collect();
         materials.sort_unstable();
         materials.dedup();
         let mut between = Counts::new();
         for material in materials {
-            if self.volumes().stopped(material).is_none() {
-                between.extend(first.iter().filter(|one| one.0 == material));
-                continue;
-            }
             let codes = rays.iter().map(|counts| of(counts, material));
             let [least, most] = codes.clone().fold([u16::MAX, 0], |[a, b], code| [a.min(code), b.max(code)]);
+            if self.volumes().stopped(material).is_none() {
+                if least != most {
+                    return None;
+                }
+                between.push((material, most));
+                continue;
+            }
             let left = |code: u16| (-USUALLY_STOPPED * length_of(code)).exp();
             if left(least) - left(most) > MAX_APART || least == 0 {
                 return None;
