@@ -214,6 +214,9 @@ pub struct Buildings {
     /// Limits of what counts, and the tables to write.
     #[field(flatten)]
     pub request: BuildingsRequest,
+    /// Receivers that count.
+    #[field(flatten)]
+    pub receivers: SelectionRequest,
     /// Weather of a year, and the light that counts.
     #[field(flatten, without("columns", "bands", "every", "stamp", "year", "temperature"))]
     pub replay: ReplayRequest,
@@ -228,6 +231,9 @@ pub struct Places {
     /// Modules and surfaces, and the table to write.
     #[field(flatten)]
     pub request: PlacesRequest,
+    /// Receivers that count.
+    #[field(flatten)]
+    pub receivers: SelectionRequest,
     /// Weather of a year, and the light that counts.
     #[field(flatten, without("columns", "bands", "every", "stamp", "year", "temperature"))]
     pub replay: ReplayRequest,

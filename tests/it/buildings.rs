@@ -172,7 +172,8 @@ fn wrong_thresholds_and_archives_are_refused() {
 
 /// The five best places of 1 x 1 m on the roofs of the block have sums between those that `replay`
 /// gives to roofs, the highest first but for 0.1 %, and the fifth is above 90 % of the brightest;
-/// they lie 0.2 m above the plane of their receiver. 1,000 places of 9 x 9 m are not found, which
+/// they lie 0.2 m above the plane of their receiver; with `--object` places are of that building.
+/// 1,000 places of 9 x 9 m are not found, which
 /// is warned of. `pv` reads the table. 3 wrong inputs are refused.
 #[test]
 fn places_are_on_the_brightest_roofs() {
@@ -203,6 +204,14 @@ fn places_are_on_the_brightest_roofs() {
     }
     let brightest = roofs.keys().map(|id| sums[id]).fold(0.0, f64::max);
     assert!(before > 0.9 * brightest && before <= brightest + 1e-3, "{before} of {brightest}");
+
+    // Of one building, in both tables.
+    let last = places[4]["building"].as_str();
+    let own = table(&stdout(&folder.run(&format!("{asked} --best 2 --module 1x1 --object {last}"))));
+    assert!(own.len() == 2 && own.iter().all(|place| place["building"] == last), "{own:?}");
+    let buildings = format!("buildings site.helio --weather {} --grid-north --object {last}", golden().display());
+    let own = table(&stdout(&folder.run(&buildings)));
+    assert!(own.len() == 1 && own[0]["building"] == last, "{own:?}");
 
     let done = folder.run(&format!("{asked} --best 1000 --module 9x9"));
     assert!(stderr(&done).contains("found instead of 1000") && done.status.code() == Some(0), "{}", stderr(&done));

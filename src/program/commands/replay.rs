@@ -7,7 +7,7 @@ use std::path::Path;
 use super::console::terminal::Terminal;
 use super::console::voice::remark_aside;
 use super::{Outcome, remark};
-use heliotile::cases::{Buildings, Compare, Factors, Places, Replay, SelectionRequest, Shading, SiteRequest};
+use heliotile::cases::{Buildings, Compare, Factors, Places, Replay, Shading, SiteRequest};
 use heliotile::text::counted;
 use heliotile::{Error, Every, OutputRequest, Provenance, Resources, Result};
 
@@ -64,7 +64,7 @@ pub fn shading(args: &Shading, about: Provenance) -> Result<Outcome> {
 /// `heliotile buildings`.
 pub fn buildings(args: &Buildings, about: Provenance) -> Result<Outcome> {
     let done = with_resources(&args.site, |resources| {
-        let site = args.site.open(&SelectionRequest::default(), about, resources.observer)?;
+        let site = args.site.open(&args.receivers, about, resources.observer)?;
         site.buildings(&args.year(), &args.request, resources)
     })?;
     // Standard output may hold the table, so the remark goes to standard error.
@@ -75,7 +75,7 @@ pub fn buildings(args: &Buildings, about: Provenance) -> Result<Outcome> {
 /// `heliotile places`.
 pub fn places(args: &Places, about: Provenance) -> Result<Outcome> {
     let done = with_resources(&args.site, |resources| {
-        let site = args.site.open(&SelectionRequest::default(), about, resources.observer)?;
+        let site = args.site.open(&args.receivers, about, resources.observer)?;
         site.places(&args.year(), &args.request, resources)
     })?;
     remark_aside(format!(

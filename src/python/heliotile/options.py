@@ -577,6 +577,18 @@ class BuildingsOptions(TypedDict, total=False):
     min_area: float | None
     """Least area of a usable region, m2: usable places that touch one another. Default: `10`."""
 
+    receivers: Wanted | None
+    """Only the receivers listed in a CSV file: ids in a column `receiver`."""
+
+    bbox: str | Sequence[float] | None
+    """Only the receivers in a box, coordinates of the scene in metres: xmin,ymin,xmax,ymax and optionally zmin,zmax; of an atlas, only parts that touch it are opened."""
+
+    surfaces: str | Sequence[str] | None
+    """Only the receivers of these surfaces."""
+
+    objects: str | Sequence[str] | None
+    """Only the receivers of these objects or buildings."""
+
     sky: str | os.PathLike[str] | float | None
     """Sky radiance distribution: perez (all-weather, 1993), perez1990 (tilted surfaces, as in EnergyPlus and pvlib), uniform (the same radiance everywhere), or cie:1 to cie:16 (the traditional overcast sky); or a file with a dot in its name: radiances of 145, 577 or 2305 patches as .csv, a matrix of Radiance (gendaymtx -s -O1, genskyvec), or a square equidistant photograph of the sky as .png, .hdr or .exr. Default: `perez`."""
 
@@ -667,6 +679,18 @@ class PlacesOptions(TypedDict, total=False):
 
     clearance: float | None
     """Height of modules above their surface, metres. Default: `0.1`."""
+
+    receivers: Wanted | None
+    """Only the receivers listed in a CSV file: ids in a column `receiver`."""
+
+    bbox: str | Sequence[float] | None
+    """Only the receivers in a box, coordinates of the scene in metres: xmin,ymin,xmax,ymax and optionally zmin,zmax; of an atlas, only parts that touch it are opened."""
+
+    surfaces: str | Sequence[str] | None
+    """Only the receivers of these surfaces."""
+
+    objects: str | Sequence[str] | None
+    """Only the receivers of these objects or buildings."""
 
     sky: str | os.PathLike[str] | float | None
     """Sky radiance distribution: perez (all-weather, 1993), perez1990 (tilted surfaces, as in EnergyPlus and pvlib), uniform (the same radiance everywhere), or cie:1 to cie:16 (the traditional overcast sky); or a file with a dot in its name: radiances of 145, 577 or 2305 patches as .csv, a matrix of Radiance (gendaymtx -s -O1, genskyvec), or a square equidistant photograph of the sky as .png, .hdr or .exr. Default: `perez`."""
@@ -1696,7 +1720,7 @@ class PvOptions(TypedDict, total=False):
     """Positions of modules, CSV with columns point,x,y, z or height (metres above the roof or ground below), and tilt_deg,azimuth_deg (from true north; may be left out with `search`)."""
 
     rows: Place | None
-    """Rows of modules, TOML: each table `rows` has a name, an area, a surface or a number of rows and modules, tilt and azimuth, or `tracker = { hub = 1.5 }` of single-axis trackers, pitch, width, height. Modules shade each other, reflect light to each other, and have a front and a rear. `ground = 0.5` adds receivers on the ground among the rows, 0.5 m apart, with the light that plants use. A `quality` is finer for rows than for points: the shade on the ground below them decides the light of their rears."""
+    """Rows of modules, TOML: each table `rows` has a name, an area, a surface or a number of rows and modules, tilt and azimuth, or `tracker = { hub = 1.5 }` of single-axis trackers, pitch, width, height; `cells = { across = 6, up = 10 }` adds what partial shade costs. Modules shade each other, reflect light to each other, and have a front and a rear. `ground = 0.5` adds receivers on the ground among the rows, 0.5 m apart, with the light that plants use. A `quality` is finer for rows than for points: the shade on the ground below them decides the light of their rears."""
 
     bifaciality: float | None
     """Bifaciality, the share of the light on the rear that is added to that on the front, for poa_global and the gain. Default: `0.8`."""
