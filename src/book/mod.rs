@@ -33,6 +33,7 @@ pages! {
     questions = "questions.md",
     query_and_replay = "query-and-replay.md",
     pv = "pv.md",
+    cells = "cells.md",
     trackers = "trackers.md",
     buildings = "buildings.md",
     comparing = "comparing.md",

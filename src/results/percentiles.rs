@@ -32,6 +32,18 @@ impl Percentiles {
     /// Returns percentiles of the years of a series, and says how many years they are of. Fails if
     /// there are too few.
     pub fn new(series: &Series, observer: &dyn Observer) -> Result<Self> {
+        Self::of_complete(series, observer).map_err(|count| {
+            let what = message!("{} has {}", series.source.display(), counted(count as u64, "complete year"));
+            let hint = format!(
+                "give a file of at least {MIN_YEARS}, better {ENOUGH_YEARS} years, such as an hourly series of PVGIS, or a folder of EPW files; a typical year is one"
+            );
+            Error::argument("percentiles", what, hint).because(Problem::Lacks("years"))
+        })
+    }
+
+    /// Returns percentiles of the complete years of a series, and says how many they are; an error
+    /// is their number if it is too small.
+    pub fn of_complete(series: &Series, observer: &dyn Observer) -> std::result::Result<Self, usize> {
         let mut hours = vec![0.0; series.labels.len()];
         for (label, weight) in &series.bins.of_condition {
             hours.get_mut(*label).into_iter().for_each(|sum| *sum += weight);
@@ -40,11 +52,7 @@ impl Percentiles {
         let years: Vec<usize> = (0..hours.len()).filter(|year| hours[*year] >= COMPLETE * longest).collect();
         let (count, file) = (years.len(), series.source.display());
         if count < MIN_YEARS {
-            let what = message!("{file} has {}", counted(count as u64, "complete year"));
-            let hint = format!(
-                "give a file of at least {MIN_YEARS}, better {ENOUGH_YEARS} years, such as an hourly series of PVGIS, or a folder of EPW files; a typical year is one"
-            );
-            return Err(Error::argument("percentiles", what, hint).because(Problem::Lacks("years")));
+            return Err(count);
         }
         let name = |year: &usize| series.labels.text.get(*year).map_or("", String::as_str);
         let (first, last) = (years.first().map_or("", name), years.last().map_or("", name));
@@ -67,19 +75,28 @@ impl Percentiles {
         BinLabels::words(PERCENTILES.iter().map(|(name, _)| (*name).to_owned()).collect())
     }
 
-    /// Returns the percentiles of each component of a tile by itself, linear between the years
-    /// beside one (Hyndman and Fan 1996, definition 7).
+    /// Returns the number of complete years.
+    pub fn years(&self) -> usize {
+        self.years.len()
+    }
+
+    /// Returns P90, P50 and P10 of the values of all years, linear between the years beside one
+    /// (Hyndman and Fan 1996, definition 7).
+    pub fn of_years(&self, values: &[f64]) -> [f64; PERCENTILES.len()] {
+        let mut sorted: Vec<f64> = self.years.iter().filter_map(|year| values.get(*year)).copied().collect();
+        sorted.sort_by(f64::total_cmp);
+        PERCENTILES.map(|(_, below)| quantile(&sorted, below))
+    }
+
+    /// Returns the percentiles of each component of a tile by itself.
     pub fn of(&self, values: &TileValues, components: ComponentSet) -> TileValues {
         let mut found = TileValues::new(values.receivers(), PERCENTILES.len());
-        let mut sorted = Vec::with_capacity(self.years.len());
         for component in components.iter() {
             for receiver in 0..values.receivers() {
-                let row = values.row(component, receiver);
-                sorted.clear();
-                sorted.extend(self.years.iter().filter_map(|year| row.get(*year)).copied().map(f64::from));
-                sorted.sort_by(f64::total_cmp);
-                let to = found.row_mut(component, receiver);
-                to.iter_mut().zip(PERCENTILES).for_each(|(to, (_, below))| *to = quantile(&sorted, below) as f32);
+                let years = values.row(component, receiver).iter().copied().map(f64::from);
+                let of_row = self.of_years(&years.collect::<Vec<f64>>());
+                let to = found.row_mut(component, receiver).iter_mut();
+                to.zip(of_row).for_each(|(to, value)| *to = value as f32);
             }
         }
         found

@@ -48,6 +48,7 @@ mod pictures;
 mod place;
 mod plan;
 mod pv;
+mod pv_cells;
 mod pv_energy;
 mod pv_ground;
 mod pv_trackers;

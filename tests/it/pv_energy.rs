@@ -237,3 +237,39 @@ fn the_shade_of_a_wall_is_in_all_layouts() {
     let first: f64 = pairs.lines().next().and_then(|line| line.split_once('\t')?.1.parse().ok()).expect("a height");
     assert!((list[0] - 45.0).abs() < 1.0 && (first - 45.0).abs() < 1.0 && list[24] == 0.0, "{list:?}");
 }
+
+/// Three years of which each has six hours of an even sky, 100, 300 and 200 W/m2, give a level kW
+/// without losses 0.6, 1.8 and 1.2 kWh of DC; P90, P50 and P10 are 0.72, 1.2 and 1.68, linear
+/// between years. One year has no such table.
+#[test]
+fn years_have_their_percentiles() {
+    let folder = plain();
+    folder.write("points.csv", "point,x,y,z,tilt,azimuth\np,0,0,1,0,0\n");
+    let year = |(year, light): (i32, i32)| {
+        cold().replace("2019", &year.to_string()).replace(",100,0,100,", &format!(",{light},0,{light},"))
+    };
+    let years = [(2017, 100), (2018, 300), (2019, 200)].map(year);
+    let rows = |years: &[String]| {
+        let lines = years.iter().flat_map(|year| year.lines().skip(1));
+        format!("time,ghi,dni,dhi,temp_air,wind_speed\n{}\n", lines.collect::<Vec<_>>().join("\n"))
+    };
+    folder.write("years.csv", &rows(&years));
+    let pv = |weather: &str| {
+        good(
+            &folder,
+            &format!(
+                "pv far.obj -m far.toml {PLACE} -w {weather} --points points.csv --sky uniform --kwp 1 --losses 0% \
+             --temperature-coefficient=0 --no-hourly --replace -o out"
+            ),
+        )
+    };
+    let text = pv("years.csv");
+    let rows_of = table(&folder, "out/energy_years.csv");
+    let labels: Vec<&str> = rows_of.iter().map(|row| row["year"].as_str()).collect();
+    assert_eq!(labels, ["2017", "2018", "2019", "P90", "P50", "P10"]);
+    let right = [0.6, 1.8, 1.2, 0.72, 1.2, 1.68];
+    rows_of.iter().zip(right).for_each(|(row, right)| near(number(row, "dc_kwh"), right, 0.5));
+    assert!(text.contains("in 9 of 10 years at least") && text.contains("(P90 of 3 years)"), "{text}");
+    folder.write("one.csv", &rows(&years[..1]));
+    assert!(!pv("one.csv").contains("P90") && !folder.path("out/energy_years.csv").exists());
+}

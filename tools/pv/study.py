@@ -2,6 +2,7 @@
 
 import sys
 
+import cells
 import field
 import ground
 import horizon
@@ -11,7 +12,7 @@ import sheds
 import trackers
 import walls
 
-PARTS = {"field": field.main, "walls": walls.main, "rows": rows.main, "rears": rears.main, "sheds": sheds.main, "trackers": trackers.main, "ground": ground.main, "horizon": horizon.main}
+PARTS = {"field": field.main, "walls": walls.main, "rows": rows.main, "rears": rears.main, "sheds": sheds.main, "trackers": trackers.main, "cells": cells.main, "ground": ground.main, "horizon": horizon.main}
 
 for part in sys.argv[1:] or PARTS:
     print(f"## {part}", flush=True)

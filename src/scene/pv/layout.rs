@@ -30,6 +30,8 @@ pub struct Outline {
     /// Plane of a flat surface: a point and the normal. Modules stand on it, not on what stands
     /// there.
     plane: Option<[DVec3; 2]>,
+    /// The outline is that of a number of rows, which fill it: upright ones have no width in plan.
+    is_filled: bool,
 }
 
 /// Step along a row after a place where a module does not fit, metres.
@@ -51,7 +53,7 @@ impl Outline {
     /// Returns the outline of a polygon.
     pub fn of_polygon(corners: &[DVec2]) -> Self {
         let next = corners.iter().cycle().skip(1);
-        Outline { edges: corners.iter().zip(next).map(|(a, b)| [*a, *b]).collect(), plane: None }
+        Outline { edges: corners.iter().zip(next).map(|(a, b)| [*a, *b]).collect(), plane: None, is_filled: false }
     }
 
     /// Returns the outline of a number of rows and of modules in each around a place in plan.
@@ -60,7 +62,8 @@ impl Outline {
         let steps = |count: u32, step: f64, last: f64| f64::from(count - 1) * step + last + 2.0 * rows.setback_m;
         let right = along * 0.5 * steps(modules, rows.width_m + rows.gap_m, rows.width_m);
         let back = faces * 0.5 * steps(count, rows.pitch_m, rows.depth_m());
-        Outline::of_polygon(&[right + back, back - right, -right - back, right - back].map(|corner| middle + corner))
+        let corners = [right + back, back - right, -right - back, right - back].map(|corner| middle + corner);
+        Outline { is_filled: true, ..Outline::of_polygon(&corners) }
     }
 
     /// Returns the outline of a surface: the edges that only one of its triangles has.
@@ -84,7 +87,7 @@ impl Outline {
             normal.z >= MIN_UP && surface.triangles.iter().flatten().all(|p| off(p) <= SAME_PLANE_M)
         };
         let plane = surface.triangles.first().map(|[point, ..]| [*point, surface.normal]);
-        Outline { edges: once.collect(), plane: plane.filter(is_flat) }
+        Outline { edges: once.collect(), plane: plane.filter(is_flat), is_filled: false }
     }
 
     /// Returns the height that modules stand on at a place in plan: that of a flat surface,
@@ -101,7 +104,7 @@ impl Outline {
         let start = self.edges.first().map_or(DVec2::ZERO, |edge| edge[0]);
         let doubled: f64 = self.edges.iter().map(|[a, b]| (*a - start).perp_dot(*b - start)).sum();
         let length: f64 = self.edges.iter().map(|[a, b]| a.distance(*b)).sum();
-        doubled.abs() <= OUTSIDE_M * length
+        !self.is_filled && doubled.abs() <= OUTSIDE_M * length
     }
 
     /// Returns the largest number of places in plan that [`lay`] tries for rows at a pitch.
@@ -126,9 +129,8 @@ impl Outline {
         let is_clear = |edge: &[DVec2; 2]| {
             sides().all(|side| !cross(side, *edge) && between(side, *edge) >= setback_m - 2.0 * ROUNDING_M)
         };
-        self.contains(inner.iter().sum::<DVec2>() / 4.0)
-            && inner.iter().all(|p| self.contains(*p))
-            && self.edges.iter().all(is_clear)
+        let is_within = || self.contains(inner.iter().sum::<DVec2>() / 4.0) && inner.iter().all(|p| self.contains(*p));
+        self.is_filled || is_within() && self.edges.iter().all(is_clear)
     }
 
     /// Returns the least and the greatest product of the outline's corners with a direction.
@@ -347,13 +349,14 @@ impl Module {
         within(b - a) && within(d - a) && (-self.thickness_m..=0.0).contains(&from.dot(self.normal))
     }
 
-    /// Returns `count` points of one side, evenly up the slope in the middle of the width, at
-    /// distance `off_m` from it.
-    pub fn points(&self, is_rear: bool, count: usize, off_m: f64) -> Vec<DVec3> {
-        let [a, b, c, d] = if is_rear { self.rear() } else { self.front };
-        let (foot, head) = ((a + b) / 2.0, (c + d) / 2.0);
-        let off = self.normal * if is_rear { -off_m } else { off_m };
-        (0..count).map(|i| foot.lerp(head, (i as f64 + 0.5) / count as f64) + off).collect()
+    /// Returns the middles of equal parts of one side, `across` of them along the row and `up` the
+    /// slope, row by row from below, at distance `off_m` from it.
+    pub fn points(&self, is_rear: bool, [across, up]: [usize; 2], off_m: f64) -> Vec<DVec3> {
+        let [a, b, _, d] = if is_rear { self.rear() } else { self.front };
+        let start = a + self.normal * if is_rear { -off_m } else { off_m };
+        let share = |part: usize, count: usize| (part as f64 + 0.5) / count as f64;
+        let point = |i: usize| start + (b - a) * share(i % across, across) + (d - a) * share(i / across, up);
+        (0..across * up).map(point).collect()
     }
 }
 
@@ -379,6 +382,7 @@ pub(super) mod tests {
             thickness_m: 0.03,
             reflectances: [0.05; 2],
             samples: 4,
+            cells: None,
             ground_step_m: None,
             rating: Rating::default(),
         }
@@ -429,7 +433,7 @@ pub(super) mod tests {
         assert_eq!(laid.modules.len(), 30);
         assert!(laid.modules.iter().all(|m| m.front.iter().all(|p| p.x < 5.0 + 1e-6 || p.y < 5.0 + 1e-6)));
         let module = &laid.modules[0];
-        let points = module.points(true, 4, 0.005);
+        let points = module.points(true, [1, 4], 0.005);
         assert!((points[0].distance(points[1]) - 0.5).abs() < 1e-9);
         let off = (points[2] - module.middle()).dot(module.normal);
         assert!((off + 0.035).abs() < 1e-9, "{off}");
@@ -507,6 +511,22 @@ pub(super) mod tests {
         let narrow = [(0.0, 0.0), (9.97, 0.0), (9.97, 10.0), (0.0, 10.0)].map(DVec2::from);
         let laid = lay(&south, North::default(), &Outline::of_polygon(&narrow), |_| Some(0.0));
         assert_eq!(laid.modules.len(), 36);
+    }
+
+    /// Rows of a stated number have all their modules at any tilt and azimuth, in the stated place:
+    /// upright ones, too, which have no width in plan.
+    #[test]
+    fn counted_rows_have_all_their_modules() {
+        for tilt_deg in [0.0, 35.0, 89.9, 90.0] {
+            for azimuth_deg in [0.0, 90.0, 180.0, 211.7, 300.0] {
+                let (rows, middle) = (rows(tilt_deg, azimuth_deg, 0.0), DVec2::new(78_725.7, 457_942.2));
+                let outline = Outline::of_rows(&rows, [5, 10], middle, North::default());
+                let laid = lay(&rows, North::default(), &outline, |_| Some(0.0));
+                assert_eq!((laid.modules.len(), laid.rows, laid.left_out), (50, 5, 0), "{tilt_deg} {azimuth_deg}");
+                let mean = laid.modules.iter().map(Module::middle).sum::<DVec3>() / 50.0;
+                assert!(mean.truncate().distance(middle) < 0.02, "{tilt_deg} {azimuth_deg}: {mean}");
+            }
+        }
     }
 
     /// Flat modules of 1 m x 2 m that face east, in rows 5 m apart, fill 20 m x 40 m with 4 rows of

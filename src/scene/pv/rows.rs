@@ -6,6 +6,7 @@ use std::path::Path;
 use glam::DVec2;
 use serde::Deserialize;
 
+use super::cells::{CellGrid, CellsEntry};
 use super::tracker::Tracker;
 use crate::coordinate::MAX_COORDINATE_M;
 use crate::covering::surfaces::{Surface, Surfaces};
@@ -20,7 +21,7 @@ use heliotile_files::input;
 pub const MAX_MODULES: u64 = 1_000_000;
 
 const KEYS: &str = "each [[rows]] has a name, an area = [[x, y], ...], a surface = \"NAME\", or rows = 5 and modules = 10 (with at = [x, y], their middle), tilt and azimuth or tracker = { hub = 1.5 }, pitch, \
-                    width, height, and maybe clearance, setback, gap, thickness, front, rear, samples, ground, kwp, string";
+                    width, height, and maybe clearance, setback, gap, thickness, front, rear, samples, ground, kwp, string, cells = { across = 6, up = 10 }";
 
 /// Rows of modules of one kind.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,8 +51,10 @@ pub struct RowsOfModules {
     pub thickness_m: f64,
     /// Diffuse reflectances of front and rear.
     pub reflectances: [f64; 2],
-    /// Number of receivers on each side, up the slope.
+    /// Number of receivers on each side, up the slope; fronts with cells have one a cell.
     pub samples: usize,
+    /// Cells of the modules, as they are wired, if they are stated.
+    pub cells: Option<CellGrid>,
     /// Distance of receivers on the ground among the rows, metres; `None`: no such receivers.
     pub ground_step_m: Option<f64>,
     /// Rated power of a module, and the string of the rows.
@@ -138,6 +141,7 @@ struct Entry {
     kwp: Option<f64>,
     #[serde(default)]
     string: String,
+    cells: Option<CellsEntry>,
 }
 
 #[derive(Deserialize)]
@@ -314,6 +318,9 @@ fn checked(entry: Entry) -> std::result::Result<RowsOfModules, String> {
     if tracker.is_some() && entry.ground.is_some() {
         return Err("`ground` is for fixed rows: the shade below trackers moves with them".into());
     }
+    if tracker.is_some() && entry.cells.is_some() {
+        return Err("`cells` is for fixed rows: trackers are traced at some angles only".into());
+    }
     if !(1..=100).contains(&entry.samples) {
         return Err(format!("`samples` is {}, not from 1 to 100", entry.samples));
     }
@@ -331,6 +338,7 @@ fn checked(entry: Entry) -> std::result::Result<RowsOfModules, String> {
         thickness_m,
         reflectances: [share("front", entry.front)?, share("rear", entry.rear)?],
         samples: entry.samples,
+        cells: entry.cells.map(CellsEntry::checked).transpose()?,
         ground_step_m: entry.ground.map(|step| within("ground", step, [0.01, 1000.0])).transpose()?,
         rating: Rating {
             kwp: entry.kwp.map(|kwp| within("kwp", kwp, [0.0, Rating::MAX_KW])).transpose()?,

@@ -7,20 +7,24 @@ use std::rc::Rc;
 
 use glam::DVec3;
 
-use super::pvwatts::{Inverter, Thermal, cover, dc};
+use super::bypass::{LitModule, best_kw};
+use super::pvwatts::{Inverter, Thermal, cover, dc_m2_w};
 use super::spots::Spot;
 use super::worth::{Price, Worth, read_worths};
 use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::named::NamedValues;
+use heliotile_core::observer::Observer;
 use heliotile_core::orientation::fan::Orientation;
 use heliotile_core::text::message;
 use heliotile_core::units::parse_percent;
 use heliotile_core::weather::conditions::Condition;
 use heliotile_requests::{DefaultRequest, Request};
-use heliotile_results::outputs::pv::energy::{ARRAY, ENERGIES, EnergySums, StringEnergy};
+use heliotile_results::outputs::pv::energy::{ARRAY, ENERGIES, EnergySums, EnergyYears, MISMATCH, StringEnergy};
 use heliotile_results::outputs::pv::hourly::SideHours;
-use heliotile_results::outputs::pv::sums::SideSums;
+use heliotile_results::outputs::pv::sums::{PartialShade, SideSums};
+use heliotile_results::percentiles::Percentiles;
 use heliotile_results::{Every, Resources, Series};
+use heliotile_scene::pv::cells::CellGrid;
 use heliotile_weather::dated::DatedRows;
 use heliotile_weather::series::Weather;
 
@@ -166,6 +170,28 @@ struct PlantString {
     kwp: f64,
     /// DC power after losses, `[hour]`, kW.
     dc_kw: Vec<f64>,
+    /// DC power that partial shade of cells takes, `[hour]`, kW.
+    mismatch_kw: Vec<f64>,
+}
+
+/// Light on a module.
+pub struct ModuleLight<'a> {
+    /// Its sides: one of a point, front and rear of a module.
+    pub sides: Vec<SideLight<'a>>,
+    /// Light on each cell of the front, if cells are stated: the direct sun and the rest, `[hour]`,
+    /// W/m2.
+    pub cells: &'a [Vec<[f32; 2]>],
+}
+
+/// Share of the power from which a module counts as shaded in part.
+const PARTIAL_SHARE: f64 = 0.01;
+
+/// Modules in series of which some are still to come.
+struct Chain {
+    /// Number of modules to come.
+    left: usize,
+    /// `[hour]`: modules, and the power of even light on all cells, kW.
+    hours: Vec<(Vec<LitModule>, f64)>,
 }
 
 /// Array of modules: ratings, air and worth of each hour; and the hours of its strings.
@@ -179,6 +205,12 @@ pub struct Plant<'a> {
     worths: Vec<Worth>,
     /// Mean transmittance of the cover for the sun of each hour, by the bits of a normal.
     covers: HashMap<[u64; 3], Rc<Vec<f64>>>,
+    /// `[spot]`: cells, and chain.
+    cells: Vec<Option<(CellGrid, usize)>>,
+    chains: HashMap<usize, Chain>,
+    /// `[spot]`: partial shade of its cells.
+    partial: Vec<PartialShade>,
+    interval_hours: f64,
 }
 
 impl<'a> Plant<'a> {
@@ -200,11 +232,18 @@ impl<'a> Plant<'a> {
             }
             (Some(kwp), 0) => Some(kwp / spots.len().max(1) as f64),
             (None, 1..) => None,
-            (None, 0) if request.price.is_none() && request.value.is_none() => return Ok(None),
             (None, 0) => {
                 let hint = "give {kwp}, or a column `kwp` of points, or a key `kwp` of rows";
-                return Err(Error::argument("price, value", "need the rated power of the array", hint)
-                    .because(Problem::needs("kwp")));
+                let what = "needs the rated power of the array";
+                if request.price.is_some() || request.value.is_some() {
+                    return Err(Error::argument("price, value", what, hint).because(Problem::needs("kwp")));
+                }
+                if spots.iter().any(|spot| spot.cells.is_some()) {
+                    return Err(
+                        Error::input(modules, None, format!("`cells` {what}"), hint).because(Problem::needs("kwp"))
+                    );
+                }
+                return Ok(None);
             }
         };
         if let Some(spot) = spots.iter().find(|spot| each_kw.is_none() && spot.rating.kwp.is_none()) {
@@ -225,7 +264,12 @@ impl<'a> Plant<'a> {
                     .because(Problem::duplicate(ARRAY)));
             }
             let string = *of_name.entry(name).or_insert_with(|| {
-                strings.push(PlantString { name: name.to_owned(), kwp: 0.0, dc_kw: Vec::new() });
+                strings.push(PlantString {
+                    name: name.to_owned(),
+                    kwp: 0.0,
+                    dc_kw: Vec::new(),
+                    mismatch_kw: Vec::new(),
+                });
                 strings.len() - 1
             });
             let kw = each_kw.or(spot.rating.kwp).unwrap_or_default();
@@ -245,30 +289,94 @@ impl<'a> Plant<'a> {
                 strongest
             ));
         }
-        let bytes = strings.len() as u64 * air.len() as u64 * 8;
+        let bytes = strings.len() as u64 * air.len() as u64 * 16;
         if bytes > MAX_BYTES {
             let what = message!("the memory of the hours of {} strings, bytes", strings.len());
             return Err(Error::Limit { what, value: bytes, max: MAX_BYTES });
         }
-        strings.iter_mut().for_each(|string| string.dc_kw = vec![0.0; air.len()]);
-        Ok(Some(Plant { request, ratings, strings, air, worths, covers: HashMap::new() }))
+        for string in &mut strings {
+            (string.dc_kw, string.mismatch_kw) = (vec![0.0; air.len()], vec![0.0; air.len()]);
+        }
+        let cells: Vec<Option<(CellGrid, usize)>> = spots.iter().map(|spot| spot.cells).collect();
+        let mut chains: HashMap<usize, Chain> = HashMap::new();
+        for (_, chain) in cells.iter().flatten() {
+            chains.entry(*chain).or_insert_with(|| Chain { left: 0, hours: Vec::new() }).left += 1;
+        }
+        let (covers, partial) = (HashMap::new(), vec![PartialShade::default(); spots.len()]);
+        let interval_hours = rows.weather.interval_hours;
+        Ok(Some(Plant { request, ratings, strings, air, worths, covers, cells, chains, partial, interval_hours }))
     }
 
-    /// Adds the light on the sides of a module.
-    pub fn add(&mut self, spot: usize, sides: &[SideLight]) {
-        let Some((string, kw)) = self.ratings.get(spot).copied() else { return };
+    /// Adds the light on a module.
+    pub fn add(&mut self, spot: usize, light: &ModuleLight) {
+        let Some((of_string, kw)) = self.ratings.get(spot).copied() else { return };
         let per_k = self.request.temperature_coefficient / 100.0;
         let kept = 1.0 - self.request.losses / 100.0;
-        let Some(string) = self.strings.get_mut(string) else { return };
-        for (hour, (sum, [excess, air_c])) in string.dc_kw.iter_mut().zip(&self.air).enumerate() {
-            let (mut all, mut effective) = (0.0, 0.0);
-            for side in sides {
-                let [sun, rest] = side.hours.sun_and_rest(hour);
-                all += side.share * (sun + rest);
-                effective += side.share * (sun * side.cover.get(hour).copied().unwrap_or(1.0) + rest);
-            }
-            *sum += kw * kept * dc(effective, air_c + excess * all, per_k);
+        let Some(string) = self.strings.get_mut(of_string) else { return };
+        let (grid, chain) = self.cells.get(spot).copied().flatten().unzip();
+        let order = grid.map_or_else(Vec::new, |grid| grid.order());
+        let mut chain = chain.and_then(|chain| self.chains.get_mut(&chain));
+        if let Some(chain) = &mut chain {
+            chain.left -= 1;
+            chain.hours.resize(self.air.len(), Default::default());
         }
+        for (hour, [excess, air_c]) in self.air.iter().enumerate() {
+            // Light on all of the module, what passes its cover, and what does on the rear.
+            let (mut all, mut effective, mut behind) = (0.0, 0.0, 0.0);
+            let covers = |side: &SideLight| side.cover.get(hour).copied().unwrap_or(1.0);
+            for (number, side) in light.sides.iter().enumerate() {
+                let [sun, rest] = side.hours.sun_and_rest(hour);
+                let passed = side.share * (sun * covers(side) + rest);
+                (all, effective) = (all + side.share * (sun + rest), effective + passed);
+                behind += if number > 0 { passed } else { 0.0 };
+            }
+            let kw_m2_w = kw * kept * dc_m2_w(air_c + excess * all, per_k);
+            let even_kw = effective * kw_m2_w;
+            if let Some(sum) = string.dc_kw.get_mut(hour) {
+                *sum += even_kw;
+            }
+            let (Some(grid), Some(front)) = (grid, light.sides.first()) else { continue };
+            if even_kw <= 0.0 {
+                continue;
+            }
+            let of_cell = |cell: &usize| {
+                let light = light.cells.get(*cell).and_then(|cell| cell.get(hour)).copied().unwrap_or_default();
+                let [sun, rest] = light.map(f64::from);
+                (sun * covers(front) + rest + behind) as f32
+            };
+            let module = LitModule { kw_m2_w, light: order.iter().map(of_cell).collect() };
+            if let Some(partial) = self.partial.get_mut(spot) {
+                let lost_kw = (even_kw - best_kw(&grid, std::slice::from_ref(&module))).max(0.0);
+                partial.even_kwh += even_kw * self.interval_hours;
+                partial.lost_kwh += lost_kw * self.interval_hours;
+                partial.hours += if lost_kw > PARTIAL_SHARE * even_kw { self.interval_hours } else { 0.0 };
+            }
+            if let Some((all, sum_kw)) = chain.as_mut().and_then(|chain| chain.hours.get_mut(hour)) {
+                all.push(module);
+                *sum_kw += even_kw;
+            }
+        }
+        if chain.is_some_and(|chain| chain.left == 0) {
+            self.close_chain(spot);
+        }
+    }
+
+    /// Takes off what partial shade costs the chain of a module, all of which are known.
+    fn close_chain(&mut self, spot: usize) {
+        let Some((grid, chain)) = self.cells.get(spot).copied().flatten() else { return };
+        let string = self.ratings.get(spot).and_then(|(string, _)| self.strings.get_mut(*string));
+        let (Some(chain), Some(string)) = (self.chains.remove(&chain), string) else { return };
+        let sums = string.dc_kw.iter_mut().zip(&mut string.mismatch_kw);
+        for ((modules, even_kw), (dc_kw, mismatch_kw)) in chain.hours.iter().zip(sums) {
+            let lost_kw = (even_kw - best_kw(&grid, modules)).max(0.0);
+            *dc_kw -= lost_kw;
+            *mismatch_kw += lost_kw;
+        }
+    }
+
+    /// Returns the partial shade of the cells of each spot, if any are stated.
+    pub fn partial_shade(&self) -> Option<&[PartialShade]> {
+        self.cells.iter().any(Option::is_some).then_some(&self.partial)
     }
 
     /// Returns the transmittance of the cover of a fixed side for the sun of each hour.
@@ -282,9 +390,10 @@ impl<'a> Plant<'a> {
 
     /// Returns the sums by month of the array and, if there are strings, of each; `fronts` are
     /// those of all modules in their order.
-    pub fn sums(&self, series: &Series, interval_hours: f64, fronts: &[&SideSums]) -> EnergySums {
-        let months = series.by(Every::Month);
-        let width = ENERGIES.len() + self.worths.len();
+    pub fn sums(&self, series: &Series, fronts: &[&SideSums], observer: &dyn Observer) -> EnergySums {
+        let (months, years, interval_hours) = (series.by(Every::Month), series.by(Every::Year), self.interval_hours);
+        let has_cells = self.partial_shade().is_some();
+        let width = ENERGIES.len() + usize::from(has_cells) + self.worths.len();
         let of = |name: &str, kwp: f64| StringEnergy {
             name: name.to_owned(),
             kwp,
@@ -298,11 +407,19 @@ impl<'a> Plant<'a> {
         let inverter = Inverter { rated_kw: kwp / request.dc_ac_ratio, efficiency: request.inverter_efficiency };
         for (hour, (month, _)) in months.bins.of_condition.iter().enumerate() {
             let dc_kw: f64 = self.strings.iter().filter_map(|string| string.dc_kw.get(hour)).sum();
+            let mismatch = |string: &PlantString| string.mismatch_kw.get(hour).copied().unwrap_or_default();
+            let mismatches =
+                [self.strings.iter().map(mismatch).sum()].into_iter().chain(self.strings.iter().map(mismatch));
+            for (sums, kw) in std::iter::once(&mut all).chain(&mut each).zip(mismatches).filter(|_| has_cells) {
+                let sum = sums.months.get_mut(*month).and_then(|sums| sums.get_mut(ENERGIES.len()));
+                sum.into_iter().for_each(|sum| *sum += kw * interval_hours);
+            }
             if dc_kw <= 0.0 {
                 continue;
             }
             let [ac_kw, clipped_kw] = inverter.ac_kw(dc_kw);
             let mut cells = vec![dc_kw, ac_kw, clipped_kw];
+            cells.extend(has_cells.then_some(0.0));
             cells.extend(self.worths.iter().map(|worth| worth.of(hour, ac_kw)));
             // The strings share one inverter: each gets its part by its DC power.
             let of_strings = each.iter_mut().zip(&self.strings);
@@ -318,9 +435,19 @@ impl<'a> Plant<'a> {
         }
         // Modules without a string are a part of the array only.
         each.retain(|string| !string.name.is_empty());
-        let columns = self.worths.iter().map(|worth| worth.column.clone()).collect();
+        let worths = self.worths.iter().map(|worth| worth.column.clone());
+        let columns = has_cells.then(|| MISMATCH.to_owned()).into_iter().chain(worths).collect();
         let hours = interval_hours * months.bins.of_condition.len() as f64;
         let strings = std::iter::once(all).chain(each).collect();
-        EnergySums { columns, strings, months: months.labels.text, hours, bifaciality: None }
+        let mut of_month = vec![0; months.labels.len()];
+        for ((month, _), (year, _)) in months.bins.of_condition.iter().zip(&years.bins.of_condition) {
+            of_month.get_mut(*month).into_iter().for_each(|of_month| *of_month = *year);
+        }
+        let years = (years.labels.len() > 1).then(|| EnergyYears {
+            percentiles: Percentiles::of_complete(&years, observer).ok(),
+            labels: years.labels.text,
+            of_month,
+        });
+        EnergySums { columns, strings, months: months.labels.text, years, hours, bifaciality: None }
     }
 }

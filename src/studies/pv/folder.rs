@@ -12,6 +12,7 @@ use crate::site_build::KEEP_OR_REPLACE;
 use heliotile_core::archive::Archive;
 use heliotile_core::error::{Error, Problem, Result};
 use heliotile_core::observer::Observer;
+use heliotile_core::weather::time::years::Years;
 use heliotile_files::writing::guards::guard_archive;
 use heliotile_results::outputs::pv::{horizon, shade};
 use heliotile_results::outputs::tables::format::files_of;
@@ -41,6 +42,8 @@ pub struct PvFolder {
     pub ground: Option<[PathBuf; 2]>,
     /// Tables of the energy of the array, if its power is known: a row for each string, and months.
     pub energy: Option<[PathBuf; 2]>,
+    /// Table of the years of a weather file of several.
+    pub energy_years: Option<PathBuf>,
     pub hours: PathBuf,
     pub horizon_table: PathBuf,
     /// Folder with a list for each point.
@@ -68,6 +71,7 @@ impl PvFolder {
             months: file("months.csv"),
             ground: has_ground.then(|| ["ground.csv", "ground_months.csv"].map(file)),
             energy: has_power.then(|| ["energy.csv", "energy_months.csv"].map(file)),
+            energy_years: has_power.then(|| file("energy_years.csv")),
             hours: file(&format!("hourly.{}", request.format)),
             horizon_table: file("horizons.csv"),
             horizons: file("horizon"),
@@ -77,6 +81,11 @@ impl PvFolder {
             turns: file("turns"),
             folder,
         }
+    }
+
+    /// Leaves out the table of years if there is one year only.
+    pub fn knowing(self, years: Years) -> Self {
+        PvFolder { energy_years: self.energy_years.filter(|_| years == Years::Several), ..self }
     }
 
     /// Returns the archive of the modules, of trackers that of the level ones.
@@ -98,6 +107,7 @@ impl PvFolder {
     fn tables(&self, request: &PvRequest) -> Vec<&Path> {
         let mut tables: Vec<&Path> = vec![&self.points, &self.months];
         tables.extend(self.ground.iter().chain(&self.energy).flatten().map(PathBuf::as_path));
+        tables.extend(self.energy_years.as_deref());
         if request.points.is_some() {
             tables.push(&self.horizon_table);
         }

@@ -3,6 +3,7 @@
 //! energy of the array.
 
 mod aside;
+mod bypass;
 mod energy;
 mod folder;
 mod ground;
@@ -156,10 +157,11 @@ fn run(request: &PvRequest, about: Provenance, resources: &Resources) -> Result<
     let mut place = || Ok(loaded.insert(load(&site, &wanted, observer)?).0.place);
     let about_weather = WeatherOptions { with_air: has_power, ..request.about_weather };
     let weather = resources.weather(&request.weather, &about_weather, &mut place)?;
+    let dated = light::rows_of(request, &weather, observer)?;
+    let files = files.knowing(dated.years);
     files.check_weather(&weather, request)?;
     let (scene, soup) = loaded.map_or_else(|| load(&site, &wanted, observer), Ok)?;
     scene.place.and_then(|place| far_apart(&place, &weather)).iter().for_each(|apart| observer.warn(apart));
-    let dated = light::rows_of(request, &weather, observer)?;
     let light = Light::new(request, &weather, &dated, *resources);
     let north = North::new(scene.place.as_ref());
 

@@ -55,10 +55,11 @@ pub fn cover(cos: f64) -> f64 {
     through(cos.clamp(0.0, 1.0)) / through(1.0)
 }
 
-/// Returns DC power per rated power (Dobos 2014, section 9): `effective_w_m2` passes the cover.
-pub fn dc(effective_w_m2: f64, cell_c: f64, per_k: f64) -> f64 {
+/// Returns DC power per rated power and W/m2 of the light that passes the cover, m2/W (Dobos 2014,
+/// section 9).
+pub fn dc_m2_w(cell_c: f64, per_k: f64) -> f64 {
     // Beyond some 300 degrees Celsius the line would fall below 0.
-    (effective_w_m2 / STC_W_M2 * (1.0 + per_k * (cell_c - STC_CELL_C))).max(0.0)
+    ((1.0 + per_k * (cell_c - STC_CELL_C)) / STC_W_M2).max(0.0)
 }
 
 /// Inverter of a plant.
@@ -117,8 +118,8 @@ mod tests {
         ] {
             near(air_c + irradiance * thermal.excess_k_m2_w(wind), right);
         }
-        near(dc(700.0, 45.0, -0.0035), 0.651);
-        assert_eq!(dc(1000.0, 500.0, -0.0035), 0.0);
+        near(700.0 * dc_m2_w(45.0, -0.0035), 0.651);
+        assert_eq!(dc_m2_w(500.0, -0.0035), 0.0);
         let inverter = Inverter { rated_kw: 4.0, efficiency: 0.96 };
         for (dc_kw, right) in [
             (0.0, 0.0),

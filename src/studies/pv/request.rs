@@ -33,10 +33,11 @@ pub struct PvRequest {
     pub points: Option<PathBuf>,
     /// Rows of modules, TOML: each table `rows` has a name, an area, a surface or a number of rows
     /// and modules, tilt and azimuth, or `tracker = { hub = 1.5 }` of single-axis trackers, pitch,
-    /// width, height. Modules shade each other, reflect light to each other, and have a front and
-    /// a rear. `ground = 0.5` adds receivers on the ground among
-    /// the rows, 0.5 m apart, with the light that plants use. A --quality is finer for rows than
-    /// for points: the shade on the ground below them decides the light of their rears.
+    /// width, height; `cells = { across = 6, up = 10 }` adds what partial shade costs. Modules
+    /// shade each other, reflect light to each other, and have a front and a rear. `ground = 0.5`
+    /// adds receivers on the ground among the rows, 0.5 m apart, with the light that plants use. A
+    /// --quality is finer for rows than for points: the shade on the ground below them decides the
+    /// light of their rears.
     #[field(short = 'r', metavar = "FILE", input = Any)]
     pub rows: Option<PathBuf>,
     /// Bifaciality, the share of the light on the rear that is added to that on the front, for
@@ -47,8 +48,8 @@ pub struct PvRequest {
     #[field(flatten, heading = "Energy")]
     pub energy: EnergyRequest,
     /// Folder to write: points.csv, months.csv, ground.csv, ground_months.csv, energy.csv,
-    /// energy_months.csv, hourly.csv, horizon/, best.csv and the archive site.helio, or those of
-    /// trackers in angles/.
+    /// energy_months.csv, energy_years.csv, hourly.csv, horizon/, best.csv and the archive
+    /// site.helio, or those of trackers in angles/.
     #[field(name = "output", short = 'o', metavar = "FOLDER", output = Folder(&[]), required)]
     pub folder: PathBuf,
     /// Find the best tilt and azimuth of every point: best.csv, search.csv and a picture of each;

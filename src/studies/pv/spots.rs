@@ -19,6 +19,7 @@ use heliotile_results::outputs::sink::Sink;
 use heliotile_scene::Scene;
 use heliotile_scene::points::places::{PlacePoint, PointHeight, Rating};
 use heliotile_scene::points::rows::ONE_DIRECTION;
+use heliotile_scene::pv::cells::CellGrid;
 use heliotile_scene::pv::layout::Module;
 use heliotile_scene::pv::rows::RowsOfModules;
 
@@ -37,6 +38,8 @@ pub struct Spot {
     pub ground: Option<u16>,
     /// Rated power and string.
     pub rating: Rating,
+    /// Cells of the front, and the number of the chain of modules that it is in series with.
+    pub cells: Option<(CellGrid, usize)>,
     /// Sides: one of a point, front and rear of a module.
     pub sides: Vec<SpotSide>,
 }
@@ -62,20 +65,22 @@ impl Spot {
             found: None,
             ground,
             rating: Rating::default(),
+            cells: None,
             sides: vec![side],
         }
     }
 
     /// Returns a module of rows with its two sides.
-    fn of_module(module: &Module, rows: &RowsOfModules, ground: Option<u16>) -> Self {
-        let side = |name: &'static str| {
-            let points = module.points(name == "rear", rows.samples, OFF_M).into_iter().enumerate();
+    fn of_module(module: &Module, rows: &RowsOfModules, chain: usize, ground: Option<u16>) -> Self {
+        let side = |name: &'static str, [across, up]: [usize; 2]| {
+            let points = module.points(name == "rear", [across, up], OFF_M).into_iter().enumerate();
             let receivers = points.map(|(i, p)| (format!("{}/{name}/{}", module.name, i + 1), p)).collect();
-            SpotSide { name, receivers, area_m2: Some(rows.width_m * rows.height_m / rows.samples as f64) }
+            SpotSide { name, receivers, area_m2: Some(rows.width_m * rows.height_m / (across * up) as f64) }
         };
-        let sides = vec![side("front"), side("rear")];
-        let (name, rating) = (module.name.clone(), rows.rating.clone());
-        Spot { name, position: module.middle(), given: Some(rows.turn), found: None, ground, rating, sides }
+        let evenly = [1, rows.samples];
+        let sides = vec![side("front", rows.cells.map_or(evenly, |grid| grid.cells)), side("rear", evenly)];
+        let (name, rating, cells) = (module.name.clone(), rows.rating.clone(), rows.cells.map(|grid| (grid, chain)));
+        Spot { name, position: module.middle(), given: Some(rows.turn), found: None, ground, rating, cells, sides }
     }
 
     /// Returns the area of the front, m2; `None` of a point.
@@ -102,8 +107,8 @@ impl Spot {
 #[derive(Debug)]
 pub struct Spots {
     pub list: Vec<Spot>,
-    /// Index into `list`, and index of the side, by the name of a receiver.
-    of_receiver: HashMap<String, (usize, usize)>,
+    /// Index into `list`, index of the side and number on it, by the name of a receiver.
+    of_receiver: HashMap<String, [usize; 3]>,
 }
 
 impl Spots {
@@ -111,7 +116,8 @@ impl Spots {
         let mut of_receiver = HashMap::new();
         for (i, spot) in list.iter().enumerate() {
             for (k, side) in spot.sides.iter().enumerate() {
-                of_receiver.extend(side.receivers.iter().map(|(id, _)| (id.clone(), (i, k))));
+                let ids = side.receivers.iter().map(|(id, _)| id.clone());
+                of_receiver.extend(ids.enumerate().map(|(number, id)| (id, [i, k, number])));
             }
         }
         Spots { list, of_receiver }
@@ -132,12 +138,21 @@ impl Spots {
     /// Returns the modules of rows.
     pub fn of_modules<'m>(modules: impl Iterator<Item = (&'m Module, &'m RowsOfModules)>, siting: &Siting) -> Self {
         let ground = |module: &Module| siting.ground_below(module.middle()).map(|ground| ground.material);
-        let spot = |(module, rows)| Spot::of_module(module, rows, ground(module));
-        Spots::new(modules.map(spot).collect())
+        let (mut list, mut chain, mut of_chain) = (Vec::new(), 0, ("", 0));
+        for (module, rows) in modules {
+            // Modules are in series in their order, row by row.
+            let is_full = rows.cells.is_some_and(|grid| of_chain.1 == grid.series);
+            if of_chain.0 != rows.name || is_full {
+                (chain, of_chain) = (chain + 1, (rows.name.as_str(), 0));
+            }
+            of_chain.1 += 1;
+            list.push(Spot::of_module(module, rows, chain, ground(module)));
+        }
+        Spots::new(list)
     }
 
-    /// Returns the index in the list and the side of a receiver.
-    pub fn of_receiver(&self, id: &str) -> Option<(usize, usize)> {
+    /// Returns the index in the list, the side of a receiver and its number there.
+    pub fn of_receiver(&self, id: &str) -> Option<[usize; 3]> {
         self.of_receiver.get(id).copied()
     }
 

@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 use std::fs;
 use std::rc::Rc;
 
-use super::energy::{Plant, SideLight};
+use super::energy::{ModuleLight, Plant, SideLight};
 use super::folder::PvFolder;
 use super::ground::GroundSpot;
 use super::light::Light;
@@ -44,6 +44,22 @@ struct OfReceiver {
     sky_view: f64,
 }
 
+/// Module of which some receivers are still to come.
+struct OpenModule {
+    /// Number of receivers that have come.
+    seen: usize,
+    sides: Vec<SideHours>,
+    /// Light on the cells of its front: the direct sun and the rest, `[hour]`, W/m2.
+    cells: Vec<Vec<[f32; 2]>>,
+}
+
+impl OpenModule {
+    fn new(spot: &Spot) -> Self {
+        let cells = spot.cells.map_or(0, |(grid, _)| grid.count());
+        OpenModule { seen: 0, sides: vec![SideHours::default(); spot.sides.len()], cells: vec![Vec::new(); cells] }
+    }
+}
+
 /// Inputs of the results.
 pub struct Results<'a, 'l> {
     pub request: &'a PvRequest,
@@ -69,13 +85,20 @@ impl Results<'_, '_> {
     ) -> Result<(Vec<SideSums>, SumsOnGround, Option<EnergySums>)> {
         let (files, about) = (self.files, self.about);
         let has_horizons = self.request.points.is_some();
-        let (sides, ground) = match self.tracked {
+        let (mut sides, ground) = match self.tracked {
             Some(tracked) => (self.tracked_sums(tracked)?, SumsOnGround::default()),
             None => {
                 let of_receiver = self.of_receivers()?;
                 (self.sums(scene, &of_receiver, has_horizons)?, self.sums_on_ground(scene, &of_receiver)?)
             }
         };
+        let plant = self.write_hours(plant)?;
+        let mut fronts: Vec<&mut SideSums> = sides.iter_mut().filter(|side| side.side != "rear").collect();
+        if let Some(partial) = plant.as_ref().and_then(Plant::partial_shade) {
+            fronts.iter_mut().zip(partial).for_each(|(front, partial)| front.partial = Some(*partial));
+        }
+        let fronts: Vec<&SideSums> = fronts.into_iter().map(|front| &*front).collect();
+        let energy = plant.map(|plant| self.energy(&plant, &fronts)).transpose()?;
         if files.ground.is_some() {
             self.light.tell_par(self.archive)?;
         }
@@ -97,11 +120,12 @@ impl Results<'_, '_> {
             fs::create_dir_all(&files.shade).map_err(Error::io(&files.shade, "create"))?;
             map.write(&files.shade, about)?;
         }
-        let fronts: Vec<&SideSums> = sides.iter().filter(|side| side.side != "rear").collect();
-        let energy = self.write_hours(plant, &fronts)?;
         if let (Some(energy), Some([strings, by_month])) = (&energy, &files.energy) {
             energy.write(strings, about)?;
             energy.write_months(by_month, about)?;
+            if let (Some(years), Some(table)) = (&energy.years, &files.energy_years) {
+                energy.write_years(years, table, about)?;
+            }
         }
         Ok((sides, ground, energy))
     }
@@ -169,6 +193,7 @@ impl Results<'_, '_> {
                 sky_view,
                 horizon: if has_horizons { PvFolder::list_of(&spot.name) } else { String::new() },
                 bifacial_gain_percent: None,
+                partial: None,
                 months,
             }
         };
@@ -189,6 +214,7 @@ impl Results<'_, '_> {
             sky_view: found.sky_view,
             horizon: String::new(),
             bifacial_gain_percent: None,
+            partial: None,
             months: MonthlySums::new(&found.hours, &months.bins),
         };
         let of_spot = |(place, spot): (usize, &Spot)| {
@@ -241,9 +267,9 @@ impl Results<'_, '_> {
         Ok(SumsOnGround { places, days: self.light.days(self.archive)? })
     }
 
-    /// Writes the hours of every point and module, if they are wanted, and returns the energy of an
-    /// array.
-    fn write_hours(&self, mut plant: Option<Plant>, fronts: &[&SideSums]) -> Result<Option<EnergySums>> {
+    /// Writes the hours of every point and module, if they are wanted, and returns the array with
+    /// them.
+    fn write_hours<'p>(&self, mut plant: Option<Plant<'p>>) -> Result<Option<Plant<'p>>> {
         let light = self.light;
         if plant.is_none() && !self.request.hourly {
             return Ok(None);
@@ -254,7 +280,7 @@ impl Results<'_, '_> {
         let tracking = self.tracked.map(|tracked| &tracked.tracking);
         let angles = tracking.map(Tracking::angles_deg);
         let covers = tracking.map(|tracking| [0, 1].map(|side| Rc::new(tracking.covers(side))));
-        self.each_module(|place, spot, sides| {
+        self.each_module(|place, spot, sides, cells| {
             if let Some(plant) = &mut plant {
                 let mut lights = Vec::new();
                 for ((number, share), (hours, side)) in (0..).zip([1.0, bifaciality]).zip(sides.iter().zip(&spot.sides))
@@ -265,7 +291,7 @@ impl Results<'_, '_> {
                     };
                     lights.push(SideLight { hours, cover, share });
                 }
-                plant.add(place, &lights);
+                plant.add(place, &ModuleLight { sides: lights, cells });
             }
             let Some(table) = &mut table else { return Ok(()) };
             let mut columns = match sides {
@@ -277,35 +303,46 @@ impl Results<'_, '_> {
             table.write(&spot.name, &columns)
         })?;
         table.map_or(Ok(()), HourlyTable::finish)?;
-        let has_rears = bifaciality > 0.0 && self.spots.list.iter().any(|spot| spot.sides.len() > 1);
-        let bifaciality = has_rears.then_some(bifaciality);
-        let sums = plant.map(|plant| plant.sums(&series, light.interval_hours(), fronts));
-        Ok(sums.map(|sums| EnergySums { bifaciality, ..sums }))
+        Ok(plant)
     }
 
-    /// Hands over the hours of the sides of every point and module. Of fixed ones, memory holds
-    /// only those of which some receivers are still to come, which are few: their receivers lie in
-    /// neighbouring tiles.
-    fn each_module(&self, mut each: impl FnMut(usize, &Spot, &[&SideHours]) -> Result<()>) -> Result<()> {
+    /// Returns the energy of an array that knows its hours.
+    fn energy(&self, plant: &Plant, fronts: &[&SideSums]) -> Result<EnergySums> {
+        let bifaciality = self.request.bifaciality;
+        let has_rears = bifaciality > 0.0 && self.spots.list.iter().any(|spot| spot.sides.len() > 1);
+        let sums = plant.sums(&*self.light.hours(self.archive)?, fronts, self.light.observer());
+        Ok(EnergySums { bifaciality: has_rears.then_some(bifaciality), ..sums })
+    }
+
+    /// Hands over the hours of the sides and of the cells of every point and module. Of fixed ones,
+    /// memory holds only those of which some receivers are still to come, which are few: their
+    /// receivers lie in neighbouring tiles.
+    fn each_module(
+        &self,
+        mut each: impl FnMut(usize, &Spot, &[&SideHours], &[Vec<[f32; 2]>]) -> Result<()>,
+    ) -> Result<()> {
         let spots = &self.spots.list;
         if let Some(tracked) = self.tracked {
             let hours = |place| tracked.sides(place).iter().map(|side| &side.hours).collect::<Vec<_>>();
-            return spots.iter().enumerate().try_for_each(|(place, spot)| each(place, spot, &hours(place)));
+            return spots.iter().enumerate().try_for_each(|(place, spot)| each(place, spot, &hours(place), &[]));
         }
-        let mut open: HashMap<usize, (usize, Vec<SideHours>)> = HashMap::new();
+        let mut open: HashMap<usize, OpenModule> = HashMap::new();
         self.light.hourly(self.archive, |id, hours| {
-            let Some((place, side)) = self.spots.of_receiver(id) else { return Ok(()) };
+            let Some([place, side, number]) = self.spots.of_receiver(id) else { return Ok(()) };
             let Some(spot) = spots.get(place) else { return Ok(()) };
-            let (seen, sides) = open.entry(place).or_insert_with(|| (0, vec![SideHours::default(); spot.sides.len()]));
+            let OpenModule { seen, sides, cells } = open.entry(place).or_insert_with(|| OpenModule::new(spot));
             *seen += 1;
+            if let Some(cell) = cells.get_mut(number).filter(|_| side == 0) {
+                *cell = hours.suns_and_rests();
+            }
             if let (Some(sum), Some(of)) = (sides.get_mut(side), spot.sides.get(side)) {
                 sum.add(&hours, std::iter::repeat(1.0 / of.receivers.len() as f32));
             }
             if *seen < spot.sides.iter().map(|side| side.receivers.len()).sum() {
                 return Ok(());
             }
-            let Some((_, sides)) = open.remove(&place) else { return Ok(()) };
-            each(place, spot, &sides.iter().collect::<Vec<_>>())
+            let Some(OpenModule { sides, cells, .. }) = open.remove(&place) else { return Ok(()) };
+            each(place, spot, &sides.iter().collect::<Vec<_>>(), &cells)
         })
     }
 

@@ -205,7 +205,7 @@ impl TrackedLight {
 
 /// Returns the side that a receiver lies on, and the share of its light there.
 fn side_of<'s>(sides: &'s mut [[TrackedSide; 2]], spots: &Spots, id: &str) -> Option<(&'s mut TrackedSide, f64)> {
-    let (spot, side) = spots.of_receiver(id)?;
+    let [spot, side, _] = spots.of_receiver(id)?;
     let receivers = spots.list.get(spot)?.sides.get(side)?.receivers.len();
     Some((sides.get_mut(spot)?.get_mut(side)?, 1.0 / receivers as f64))
 }

@@ -8,6 +8,7 @@ use crate::outputs::provenance::Provenance;
 use crate::outputs::tables::column::Column;
 use crate::outputs::tables::records::Records;
 use crate::outputs::tables::table::Cell;
+use crate::percentiles::Percentiles;
 use heliotile_core::error::Result;
 
 /// Name of the sum of all modules in the column of strings.
@@ -15,6 +16,10 @@ pub const ARRAY: &str = "array";
 
 /// Columns of energy: DC before the inverter, AC, and what the inverter clips at its rating.
 pub const ENERGIES: [&str; 3] = ["dc_kwh", "ac_kwh", "clipped_kwh"];
+
+/// Column of the DC energy that partial shade of cells takes; the first of those after
+/// [`ENERGIES`], where cells are stated.
+pub const MISMATCH: &str = "mismatch_kwh";
 
 /// Hours of a common year.
 const YEAR_H: f64 = 8760.0;
@@ -32,7 +37,7 @@ pub struct StringEnergy {
     pub name: String,
     /// Rated power, kW.
     pub kwp: f64,
-    /// Sums, `[month][column]`: [`ENERGIES`], kWh, then the columns of worth.
+    /// Sums, `[month][column]`: [`ENERGIES`], kWh, then [`EnergySums::columns`].
     pub months: Vec<Vec<f64>>,
     /// Light on the fronts and what they would have on an open plain, `[month]`, each weighted by
     /// the rated power, kWh/m2 kW.
@@ -52,6 +57,27 @@ impl StringEnergy {
         months.for_each(|(sums, (light, open))| *sums = [sums[0] + kw * light, sums[1] + kw * open]);
     }
 
+    /// Returns the sums of each year, `[year][column]`.
+    fn by_year(&self, years: &EnergyYears) -> Vec<Vec<f64>> {
+        let width = self.months.first().map_or(0, Vec::len);
+        let mut sums = vec![vec![0.0; width]; years.labels.len()];
+        for (month, year) in self.months.iter().zip(&years.of_month) {
+            let sum = sums.get_mut(*year).into_iter().flatten();
+            sum.zip(month).for_each(|(sum, value)| *sum += value);
+        }
+        sums
+    }
+
+    /// Returns percentiles of the years of each column, `[percentile][column]`.
+    fn percentiles(&self, years: &EnergyYears) -> Option<Vec<Vec<f64>>> {
+        let (percentiles, by_year) = (years.percentiles.as_ref()?, self.by_year(years));
+        let column = |column: usize| by_year.iter().filter_map(|year| year.get(column)).copied().collect::<Vec<f64>>();
+        let width = by_year.first().map_or(0, Vec::len);
+        let columns: Vec<_> = (0..width).map(|at| percentiles.of_years(&column(at))).collect();
+        let of = |row: usize| columns.iter().filter_map(|column| column.get(row)).copied().collect();
+        Some((0..Percentiles::labels().len()).map(of).collect())
+    }
+
     /// Returns the loss of light on the fronts over all months, percent.
     fn loss_percent(&self) -> Option<f64> {
         let [light, open] = self.fronts.iter().fold([0.0; 2], |sum, month| [sum[0] + month[0], sum[1] + month[1]]);
@@ -59,15 +85,28 @@ impl StringEnergy {
     }
 }
 
+/// Years of the months of a file of several years.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct EnergyYears {
+    /// Labels of the years.
+    pub labels: Vec<String>,
+    /// `[month]`: index of its year.
+    pub of_month: Vec<usize>,
+    /// Percentiles of years; `None` if the file has too few complete ones.
+    pub percentiles: Option<Percentiles>,
+}
+
 /// Energy of an array and of its strings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EnergySums {
-    /// Names of the columns of worth.
+    /// Names of the other columns: [`MISMATCH`] of cells, and those of worth.
     pub columns: Vec<String>,
     /// The array, then its strings.
     pub strings: Vec<StringEnergy>,
     /// Labels of the months.
     pub months: Vec<String>,
+    /// Years of the months; `None` of a single year.
+    pub years: Option<EnergyYears>,
     /// Number of hours of the sums.
     pub hours: f64,
     /// Bifaciality of modules with rears; `None` if only fronts count.
@@ -117,6 +156,24 @@ impl EnergySums {
         Records { columns, rows }.write(path, about).map(drop)
     }
 
+    /// Writes a row for each year of the array and of each string, then their percentiles, each
+    /// column by itself.
+    pub fn write_years(&self, years: &EnergyYears, path: &Path, about: &Provenance) -> Result<()> {
+        let columns = ["string", "year"].map(Column::text).into_iter().chain(self.columns());
+        let labels = years.labels.iter().cloned().chain(Percentiles::labels().text);
+        let rows = self.strings.iter().flat_map(|string| {
+            let sums = string.by_year(years).into_iter().chain(string.percentiles(years).into_iter().flatten());
+            let row = |(label, sums): (String, Vec<f64>)| {
+                [Cell::from(&string.name), (&label).into()]
+                    .into_iter()
+                    .chain(sums.into_iter().map(Cell::from))
+                    .collect()
+            };
+            labels.clone().zip(sums).map(row).collect::<Vec<_>>()
+        });
+        Records { columns: columns.collect(), rows: rows.collect() }.write(path, about).map(drop)
+    }
+
     /// Returns the energy of the array and its worth in a sentence.
     pub fn sentence(&self) -> String {
         let Some(array) = self.strings.first() else { return String::new() };
@@ -132,6 +189,12 @@ impl EnergySums {
             array.kwp,
             energy / array.kwp
         );
+        let of_years =
+            self.years.as_ref().and_then(|years| Some((years.percentiles.as_ref()?, array.percentiles(years)?)));
+        if let Some((percentiles, of_array)) = of_years {
+            let p90_kwh = of_array.first().and_then(|columns| columns.get(1)).copied().unwrap_or(f64::NAN);
+            text += &format!(", in 9 of 10 years at least {p90_kwh:.0} (P90 of {} years)", percentiles.years());
+        }
         if let Some(bifaciality) = self.bifaciality {
             text += &format!(", with {:.0} % of the light on rears", 100.0 * bifaciality);
         }
@@ -142,6 +205,10 @@ impl EnergySums {
         for (column, name) in (ENERGIES.len()..).zip(&self.columns) {
             let unit = name.trim_start_matches("value").trim_start_matches('_');
             text += &match name.as_str() {
+                MISMATCH => {
+                    let share = 100.0 * at(column) / (at(0) + at(column)).max(f64::MIN_POSITIVE);
+                    format!("; partial shade of cells takes {share:.1} % of the DC energy")
+                }
                 "used_kwh" => format!("; {:.0} kWh {period} go to the load at once", at(column) / count),
                 _ => format!("; {:.2} {} {period}", at(column) / count, unit.to_uppercase()).replace("  ", " "),
             };
@@ -164,6 +231,7 @@ mod tests {
             columns: vec!["value_eur".into()],
             strings: vec![array],
             months: vec!["01".into(), "02".into()],
+            years: None,
             hours: 17544.0,
             bifaciality: Some(0.8),
         };

@@ -65,6 +65,12 @@ impl SideHours {
         [sun, rest.iter().sum()]
     }
 
+    /// Returns the direct light of the sun and all other light, `[hour]`, W/m2.
+    pub fn suns_and_rests(&self) -> Vec<[f32; 2]> {
+        let hours = 0..self.0.first().map_or(0, Vec::len);
+        hours.map(|hour| self.sun_and_rest(hour).map(|light| light as f32)).collect()
+    }
+
     /// Returns total, direct, diffuse, and the two parts of diffuse: the sky, direct and by
     /// mirrors, and what ground and surroundings reflect diffusely.
     fn columns(&self) -> [Vec<f32>; 5] {

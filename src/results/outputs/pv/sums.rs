@@ -86,6 +86,19 @@ pub struct SideSums {
     /// Gain by the rear, percent: the light on the rear times the bifaciality, relative to the
     /// light on the front; only on front sides that have a rear.
     pub bifacial_gain_percent: Option<f64>,
+    /// Partial shade of its cells; only of fronts with cells.
+    pub partial: Option<PartialShade>,
+}
+
+/// Partial shade of the cells of a module that works on its own.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PartialShade {
+    /// DC energy of even light on all cells, kWh.
+    pub even_kwh: f64,
+    /// DC energy that partial shade takes, kWh.
+    pub lost_kwh: f64,
+    /// Hours in which it takes more than 1 % of the power.
+    pub hours: f64,
 }
 
 impl SideSums {
@@ -111,6 +124,9 @@ pub fn write_points(path: &Path, sides: &[SideSums], about: &Provenance) -> Resu
     columns.extend(columns_of_sums());
     columns.extend([Column::number("sky_view", 5), Column::text("horizon")]);
     columns.extend(is_bifacial.then(|| Column::number("bifacial_gain_percent", DECIMALS)));
+    let has_cells = sides.iter().any(|side| side.partial.is_some());
+    let of_cells = ["mismatch_loss_percent", "partial_shade_h"].map(|name| Column::number(name, DECIMALS));
+    columns.extend(of_cells.into_iter().filter(|_| has_cells));
     let rows = sides.iter().map(|side| {
         let mut cells = vec![Cell::from(&side.point), side.side.into()];
         cells.extend(side.position.to_array().map(Cell::from));
@@ -119,6 +135,9 @@ pub fn write_points(path: &Path, sides: &[SideSums], about: &Provenance) -> Resu
         cells.extend([side.months.total(), side.open.total()].map(Cell::from));
         cells.extend([side.loss_percent().into(), side.sky_view.into(), Cell::from(&side.horizon)]);
         cells.extend(is_bifacial.then(|| side.bifacial_gain_percent.into()));
+        let lost = side.partial.filter(|partial| partial.even_kwh > 0.0);
+        let of_cells = [lost.map(|of| 100.0 * of.lost_kwh / of.even_kwh), side.partial.map(|of| of.hours)];
+        cells.extend(of_cells.map(Cell::from).into_iter().filter(|_| has_cells));
         cells
     });
     let rows = rows.collect();
