@@ -19,7 +19,7 @@ const BEST_CURRENT: f64 = 0.956_28;
 const DIODE_CELLS: f64 = 0.88;
 
 /// Currents that are tried, over that of most power of the darkest cell of a substring.
-const TRIED: [f64; 6] = [0.93, 0.97, 1.0, 1.015, 1.03, 1.04];
+const TRIED: [f64; 7] = [0.93, 0.97, 1.0, 1.015, 1.03, 1.04, 1.044];
 /// Currents closer than this share are one.
 const SAME_CURRENT: f64 = 0.002;
 /// Share of the brightest cell's light from which all light counts as even.
