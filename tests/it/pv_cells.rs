@@ -1,4 +1,5 @@
-//! Cells of modules in partial shade: substrings behind bypass diodes by hand, chains, wrong tables.
+//! Cells of modules in partial shade: substrings with bypass diodes by hand, modules in series,
+//! wrong tables.
 
 use crate::cli::{Folder, stderr};
 use crate::pv::{good, number, table};

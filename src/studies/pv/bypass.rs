@@ -10,8 +10,8 @@ use heliotile_scene::pv::cells::CellGrid;
 /// Voltage of an open cell over the thermal voltage of its diode: 0.68 V over 1.05 x 25.7 mV.
 const OPEN_VOLTAGE: f64 = 25.0;
 
-/// Current at the point of most power over that of a short circuit: c with [`OPEN_VOLTAGE`] + ln(1 -
-/// c) = c / (1 - c).
+/// Current at the point of most power over that of a short circuit: the c for which
+/// [`OPEN_VOLTAGE`] + ln(1 - c) is c / (1 - c).
 const BEST_CURRENT: f64 = 0.956_28;
 
 /// Forward voltage of a bypass diode over the voltage of a cell at the point of most power: 0.5 V,

@@ -438,16 +438,33 @@ impl<'a> Plant<'a> {
         let worths = self.worths.iter().map(|worth| worth.column.clone());
         let columns = has_cells.then(|| MISMATCH.to_owned()).into_iter().chain(worths).collect();
         let hours = interval_hours * months.bins.of_condition.len() as f64;
-        let strings = std::iter::once(all).chain(each).collect();
+        let strings: Vec<StringEnergy> = std::iter::once(all).chain(each).collect();
         let mut of_month = vec![0; months.labels.len()];
         for ((month, _), (year, _)) in months.bins.of_condition.iter().zip(&years.bins.of_condition) {
             of_month.get_mut(*month).into_iter().for_each(|of_month| *of_month = *year);
         }
-        let years = (years.labels.len() > 1).then(|| EnergyYears {
-            percentiles: Percentiles::of_complete(&years, observer).ok(),
-            labels: years.labels.text,
-            of_month,
-        });
+        let years = (years.labels.len() > 1).then(|| years_of(&strings, &years, &of_month, observer));
         EnergySums { columns, strings, months: months.labels.text, years, hours, bifaciality: None }
     }
+}
+
+/// Returns the sums of strings by year, and their percentiles, each column by itself.
+fn years_of(strings: &[StringEnergy], years: &Series, of_month: &[usize], observer: &dyn Observer) -> EnergyYears {
+    // Fewer than three complete years have no percentiles.
+    let percentiles = Percentiles::of_complete(years, observer).ok();
+    let of_string = |string: &StringEnergy| {
+        let mut sums = string.by_year(of_month, years.labels.len());
+        let Some(percentiles) = &percentiles else { return sums };
+        let column = |at: usize| sums.iter().filter_map(|year| year.get(at)).copied().collect::<Vec<f64>>();
+        let width = sums.first().map_or(0, Vec::len);
+        let columns: Vec<_> = (0..width).map(|at| percentiles.of_years(&column(at))).collect();
+        let of = |row: usize| columns.iter().filter_map(|column| column.get(row)).copied().collect::<Vec<f64>>();
+        let rows: Vec<Vec<f64>> = (0..Percentiles::labels().len()).map(of).collect();
+        sums.extend(rows);
+        sums
+    };
+    let mut labels = years.labels.text.clone();
+    labels.extend(percentiles.iter().flat_map(|_| Percentiles::labels().text));
+    let complete = percentiles.as_ref().map_or(0, Percentiles::years);
+    EnergyYears { labels, sums: strings.iter().map(of_string).collect(), complete }
 }

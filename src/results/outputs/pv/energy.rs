@@ -8,7 +8,6 @@ use crate::outputs::provenance::Provenance;
 use crate::outputs::tables::column::Column;
 use crate::outputs::tables::records::Records;
 use crate::outputs::tables::table::Cell;
-use crate::percentiles::Percentiles;
 use heliotile_core::error::Result;
 
 /// Name of the sum of all modules in the column of strings.
@@ -57,25 +56,16 @@ impl StringEnergy {
         months.for_each(|(sums, (light, open))| *sums = [sums[0] + kw * light, sums[1] + kw * open]);
     }
 
-    /// Returns the sums of each year, `[year][column]`.
-    fn by_year(&self, years: &EnergyYears) -> Vec<Vec<f64>> {
+    /// Returns the sums of each of some years, `[year][column]`; `of_month` is the index of the year
+    /// of each month.
+    pub fn by_year(&self, of_month: &[usize], years: usize) -> Vec<Vec<f64>> {
         let width = self.months.first().map_or(0, Vec::len);
-        let mut sums = vec![vec![0.0; width]; years.labels.len()];
-        for (month, year) in self.months.iter().zip(&years.of_month) {
+        let mut sums = vec![vec![0.0; width]; years];
+        for (month, year) in self.months.iter().zip(of_month) {
             let sum = sums.get_mut(*year).into_iter().flatten();
             sum.zip(month).for_each(|(sum, value)| *sum += value);
         }
         sums
-    }
-
-    /// Returns percentiles of the years of each column, `[percentile][column]`.
-    fn percentiles(&self, years: &EnergyYears) -> Option<Vec<Vec<f64>>> {
-        let (percentiles, by_year) = (years.percentiles.as_ref()?, self.by_year(years));
-        let column = |column: usize| by_year.iter().filter_map(|year| year.get(column)).copied().collect::<Vec<f64>>();
-        let width = by_year.first().map_or(0, Vec::len);
-        let columns: Vec<_> = (0..width).map(|at| percentiles.of_years(&column(at))).collect();
-        let of = |row: usize| columns.iter().filter_map(|column| column.get(row)).copied().collect();
-        Some((0..Percentiles::labels().len()).map(of).collect())
     }
 
     /// Returns the loss of light on the fronts over all months, percent.
@@ -85,15 +75,15 @@ impl StringEnergy {
     }
 }
 
-/// Years of the months of a file of several years.
+/// Sums of the years of a weather file of several.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EnergyYears {
-    /// Labels of the years.
+    /// Labels of the years, then of percentiles, if there are enough years.
     pub labels: Vec<String>,
-    /// `[month]`: index of its year.
-    pub of_month: Vec<usize>,
-    /// Percentiles of years; `None` if the file has too few complete ones.
-    pub percentiles: Option<Percentiles>,
+    /// Sums, `[string][label][column]`.
+    pub sums: Vec<Vec<Vec<f64>>>,
+    /// Number of complete years, which percentiles are of.
+    pub complete: usize,
 }
 
 /// Energy of an array and of its strings.
@@ -160,16 +150,11 @@ impl EnergySums {
     /// column by itself.
     pub fn write_years(&self, years: &EnergyYears, path: &Path, about: &Provenance) -> Result<()> {
         let columns = ["string", "year"].map(Column::text).into_iter().chain(self.columns());
-        let labels = years.labels.iter().cloned().chain(Percentiles::labels().text);
-        let rows = self.strings.iter().flat_map(|string| {
-            let sums = string.by_year(years).into_iter().chain(string.percentiles(years).into_iter().flatten());
-            let row = |(label, sums): (String, Vec<f64>)| {
-                [Cell::from(&string.name), (&label).into()]
-                    .into_iter()
-                    .chain(sums.into_iter().map(Cell::from))
-                    .collect()
-            };
-            labels.clone().zip(sums).map(row).collect::<Vec<_>>()
+        let rows = self.strings.iter().zip(&years.sums).flat_map(|(string, of_string)| {
+            years.labels.iter().zip(of_string).map(|(label, sums)| {
+                let texts = [Cell::from(&string.name), label.into()];
+                texts.into_iter().chain(sums.iter().copied().map(Cell::from)).collect()
+            })
         });
         Records { columns: columns.collect(), rows: rows.collect() }.write(path, about).map(drop)
     }
@@ -189,11 +174,12 @@ impl EnergySums {
             array.kwp,
             energy / array.kwp
         );
-        let of_years =
-            self.years.as_ref().and_then(|years| Some((years.percentiles.as_ref()?, array.percentiles(years)?)));
-        if let Some((percentiles, of_array)) = of_years {
-            let p90_kwh = of_array.first().and_then(|columns| columns.get(1)).copied().unwrap_or(f64::NAN);
-            text += &format!(", in 9 of 10 years at least {p90_kwh:.0} (P90 of {} years)", percentiles.years());
+        if let Some(years) = &self.years {
+            let p90 = years.labels.iter().position(|label| label == "P90");
+            let of_array = p90.and_then(|row| years.sums.first()?.get(row)?.get(1));
+            text += &of_array.map_or(String::new(), |kwh| {
+                format!(", in 9 of 10 years at least {kwh:.0} (P90 of {} years)", years.complete)
+            });
         }
         if let Some(bifaciality) = self.bifaciality {
             text += &format!(", with {:.0} % of the light on rears", 100.0 * bifaciality);
