@@ -56,8 +56,8 @@ impl StringEnergy {
         months.for_each(|(sums, (light, open))| *sums = [sums[0] + kw * light, sums[1] + kw * open]);
     }
 
-    /// Returns the sums of each of some years, `[year][column]`; `of_month` is the index of the year
-    /// of each month.
+    /// Returns the sums of each of some years, `[year][column]`; `of_month` is the index of the
+    /// year of each month.
     pub fn by_year(&self, of_month: &[usize], years: usize) -> Vec<Vec<f64>> {
         let width = self.months.first().map_or(0, Vec::len);
         let mut sums = vec![vec![0.0; width]; years];
