@@ -36,7 +36,7 @@ pub struct StringEnergy {
     pub name: String,
     /// Rated power, kW.
     pub kwp: f64,
-    /// Sums, `[month][column]`: [`ENERGIES`], kWh, then [`EnergySums::columns`].
+    /// Sums, `[month][column]`: [`ENERGIES`], kWh, then the other columns.
     pub months: Vec<Vec<f64>>,
     /// Light on the fronts and what they would have on an open plain, `[month]`, each weighted by
     /// the rated power, kWh/m2 kW.
