@@ -171,8 +171,7 @@ mod tests {
         }
     }
 
-    /// Categories are in order, each ends where the next begins, and a UTCI on a limit, such as
-    /// -40, 9, 26 and 46, belongs to the colder one.
+    /// Limits rise from category to category, and neighbours have names of their own.
     #[test]
     fn categories_go_from_cold_to_hot() {
         for (colder, hotter) in StressCategory::ALL.into_iter().zip(StressCategory::ALL.into_iter().skip(1)) {
