@@ -75,7 +75,7 @@ BANDS = [("material", "1H", None), ("property", "1B", lambda p: p <= 3), ("band"
          ("value", "1d", share)]
 KINDS = {1: ("receivers", 1, RECEIVERS), 2: ("sky", 1, None), 3: ("hit", 4, None), 4: ("response", 2, None),
          5: ("probes", 4, CELLS), 6: ("bounce", 4, CELLS), 7: ("index", 2, KEY), 8: ("mirror", 2, None),
-         9: ("canopy", 4, None), 10: ("materials", 2, MATERIALS), 11: ("optics", 1, OPTICS),
+         9: ("canopy", 5, None), 10: ("materials", 2, MATERIALS), 11: ("optics", 1, OPTICS),
          12: ("probe-mirror", 2, None), 13: ("bounce-mirror", 2, None), 14: ("probe-canopy", 3, None),
          15: ("bounce-canopy", 3, None), 16: ("mirrors", 1, MIRRORS), 17: ("parts", 1, PARTS),
          18: ("scene", 1, SCENE), 19: ("overview", 1, OVERVIEW), 20: ("extents", 1, EXTENTS),
@@ -509,10 +509,19 @@ def context(first, codes, thresholds, apart):
     return first + (2 + sum(apart >= t for t in thresholds) if all(codes) else any(codes))
 
 
+def coarse_step(side):
+    """Texels of a square between two of its coarse grid."""
+    step = 2
+    while side > 128 * step:
+        step *= 2
+    return step
+
+
 def predicted(raw, side):
     """Predicted codes along a square, row-major."""
-    n, wide = side // 2, -(-side // 16)
-    need(side % 2 == 0, "predicted codes along an odd square")
+    step = coarse_step(side)
+    n, wide = side // step, -(-side // (8 * step))
+    need(side % step == 0, "predicted codes along an odd square")
     size = -(-wide * wide // 8)
     mask = int.from_bytes(raw[:size], "little")
     need(0 < mask < 1 << wide * wide and len(raw) >= 8 * mask.bit_count(), "patches that cannot be")
@@ -523,31 +532,38 @@ def predicted(raw, side):
         counts[context][z if z < 16 else z.bit_length() + 11] += 1
         return z
 
-    def even(j, i):
-        return codes[2 * (j * side + i)] if 0 <= j and 0 <= i < n else 0
+    def grid(j, i):
+        return codes[step * (j * side + i)] if 0 <= j and 0 <= i < n else 0
 
-    places = [(j, i) for j in range(n) for i in range(n) if mask >> (j // 8 * wide + i // 8) & 1]
-    for j, i in places:
-        w, n_, x, e = even(j, i - 1), even(j - 1, i), even(j - 1, i - 1), even(j - 1, i + 1)
+    def places():
+        patch = 8 * n // (side // coarse_step(side))
+        return [(j, i) for j in range(n) for i in range(n) if mask >> (j // patch * wide + i // patch) & 1]
+
+    for j, i in places():
+        w, n_, x, e = grid(j, i - 1), grid(j - 1, i), grid(j - 1, i - 1), grid(j - 1, i + 1)
         p = max(min(max(w + n_ - x, min(w, n_)), max(w, n_)), 1)
         z = take(context(0, (w, n_, x, e), (4, 12, 40), abs(w - x) + abs(n_ - x) + abs(e - n_)), i)
-        codes[2 * (j * side + i)] = unfolded(z - 1, p) if z else 0
-    for j, i in places:
-        right, below = min(i + 1, n - 1), min(j + 1, n - 1)
-        a, b, c, d = even(j, i), even(j, right), even(below, i), even(below, right)
-        others = take(context(6, (a, b, c, d), (10, 18, 32, 64), max(a, b, c, d) - min(a, b, c, d)), i)
-        need(others <= 7, f"texels {others} of three")
-        for k, (beside, place) in enumerate([((a, b), 1), ((a, c), side), ((a, b, c, d), side + 1)]):
-            lit = [code for code in beside if code]
-            code = (2 * sum(lit) + len(lit)) // (2 * len(lit)) if lit else 0
-            if others >> k & 1:
-                z = take(context(13, beside, (8, 24, 80), max(beside) - min(beside)), i)
-                need(z or code, "a texel that is as predicted")
-                code = unfolded(z, code) if z else 0
-            codes[2 * (j * side + i) + place] = code
+        codes[step * (j * side + i)] = unfolded(z - 1, p) if z else 0
+    while step > 1:
+        half = step // 2
+        for j, i in places():
+            right, below = min(i + 1, n - 1), min(j + 1, n - 1)
+            a, b, c, d = grid(j, i), grid(j, right), grid(below, i), grid(below, right)
+            others = take(context(6, (a, b, c, d), (10, 18, 32, 64), max(a, b, c, d) - min(a, b, c, d)), i)
+            need(others <= 7, f"texels {others} of three")
+            for k, (beside, place) in enumerate([((a, b), half), ((a, c), half * side), ((a, b, c, d), half * (side + 1))]):
+                lit = [code for code in beside if code]
+                code = (2 * sum(lit) + len(lit)) // (2 * len(lit)) if lit else 0
+                if others >> k & 1:
+                    z = take(context(13, beside, (8, 24, 80), max(beside) - min(beside)), i)
+                    need(z or code, "a texel that is as predicted")
+                    code = unfolded(z, code) if z else 0
+                codes[step * (j * side + i) + place] = code
+        step, n = half, 2 * n
     need(values.is_done(), "the code does not end with the values")
     need(raw[size:].startswith(b"".join(map(frequencies, counts))), "frequencies are not those of the values")
-    coded = {place // side // 16 * wide + place % side // 16 for place, code in enumerate(codes) if code}
+    patch = 8 * coarse_step(side)
+    coded = {place // side // patch * wide + place % side // patch for place, code in enumerate(codes) if code}
     need(len(coded) == mask.bit_count(), "a patch without a code")
     return codes
 
@@ -556,8 +572,8 @@ def crossings(raw, rows, s, kind):
     """The rows of a block of canopies, the keys of the cells of leaves that are seen, and the materials that are crossed."""
     found, rays_crossed = rows_of_bytes(raw, rows), []
     lengths, at, seen, crossed = struct.unpack(f"<{rows}I", found["lengths"]), 4 * rows, [], set()
-    side = min(4 * s["sky_base"], s["sky_fine"])
-    while side > 256 and side % 2 == 0:
+    side = max(s["sky_base"], s["sky_fine"] // 2)
+    while side > 1024 and side % 2 == 0:
         side //= 2
     rays = {"canopy": (side ** 2, s["hit"] ** 2), "probe-canopy": (s["probe"] ** 2, s["probe_hits"]),
             "bounce-canopy": (s["bounce_sky"] ** 2, s["bounce_hits"])}[kind]

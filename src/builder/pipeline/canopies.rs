@@ -12,7 +12,7 @@ use crate::trace::viewpoint::Viewpoint;
 use heliotile_core::error::Result;
 use heliotile_core::hemisphere::{HEMISPHERE_SR, texels_in_blocks};
 use heliotile_core::layers::bits::BitSquare;
-use heliotile_core::layers::canopy::{Canopy, SeenLeaf, sky_side};
+use heliotile_core::layers::canopy::{Canopy, SeenLeaf, coarse_step, sky_side};
 use heliotile_core::site::cells::{CellKey, level_of};
 
 impl SiteTracer<'_> {
@@ -51,17 +51,18 @@ impl SiteTracer<'_> {
     ) -> (Canopy, u64) {
         let Some(canopies) = self.canopies else { return (Canopy::default(), 0) };
         let side = sky_side(self.settings.sky_base, self.settings.sky_fine);
-        let block = sky.side() / side;
         // A leaf cannot dim sky that is not seen; light at its edge is interpolated with the texels
         // beside it.
+        let coarse = side / coarse_step(side);
+        let block = sky.side() / coarse;
         let shown: Vec<bool> =
-            (0..side * side).map(|i| block > 64 || sky.count_block(block, i % side, i / side) > 0).collect();
+            (0..coarse * coarse).map(|i| block > 64 || sky.count_block(block, i % coarse, i / coarse) > 0).collect();
         let open = |&(column, row): &(usize, usize)| {
-            let near = |at: usize| at.saturating_sub(1)..(at + 2).min(side);
-            near(row).any(|row| near(column).any(|column| shown[row * side + column]))
+            let near = |at: usize| at.saturating_sub(1)..(at + 2).min(coarse);
+            near(row).any(|row| near(column).any(|column| shown[row * coarse + column]))
         };
-        let texels: Vec<(usize, usize)> = texels_in_blocks(side).filter(open).collect();
-        let (sky, to_sky) = canopies.towards_sky(view, side, &texels, self.tracer);
+        let tiles: Vec<(usize, usize)> = texels_in_blocks(coarse).filter(open).collect();
+        let (sky, to_sky) = canopies.towards_sky(view, side, &tiles, self.tracer);
         let (n, scatter) = (self.settings.hit, lit && self.leaves_scatter());
         let seen: Vec<Path> = view.hit_paths(n, &hits.distances_m, scatter, self.tracer);
         let (rays, cast) = ([side * side, n * n], to_sky + seen.len() as u64);
@@ -69,8 +70,7 @@ impl SiteTracer<'_> {
         let leaves = if scatter { self.leaves_of_receiver(view, canopies, &passages) } else { Vec::new() };
         passages.retain(|passage| hits.distances_m[passage.place as usize].is_finite());
         let crossings = [&sky[..], &canopies.counted(&passages)];
-        let is_volume = |material: u16| canopies.volumes().stopped(material).is_some();
-        (Canopy::new(crossings, rays, leaves).with_predicted(is_volume), cast)
+        (Canopy::new(crossings, rays, leaves).with_predicted(), cast)
     }
 
     /// Returns the cells of leaves that a receiver with these hits sees; none if leaves scatter

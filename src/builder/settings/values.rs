@@ -43,7 +43,7 @@ impl Share {
 ///   finer, fine probes are refined.
 /// - 6: rays of hit and probe textures go near the middles of texels, points of neighbouring texels
 ///   lie far apart.
-const TRACING: u32 = 6;
+const TRACING: u32 = 7;
 
 macro_rules! declare {
     ($($name:ident: $stored:ty as $native:ty, $range:ident($($bound:expr),*), $ladder:ident $rungs:tt, $meaning:literal;)*) => {

@@ -192,7 +192,7 @@ pub const KINDS: [(BlockKind, &str, u16); 23] = [
     (BOUNCE, "bounce", 4),
     (INDEX, "index", 2),
     (MIRROR, "mirror", 2),
-    (CANOPY, "canopy", 4),
+    (CANOPY, "canopy", 5),
     (MATERIALS, "materials", 2),
     (OPTICS, "optics", 1),
     (PROBE_MIRROR, "probe-mirror", 2),

@@ -238,7 +238,7 @@ fn sky_map(view: &ReceiverView, sky: &SkyTexels, light: Option<&Illumination>, s
     let mut map = Map { name: "sky", frame: WORLD, side, channels: Vec::new() };
     map.add("visible", "1 where sky is seen, else 0", visible.iter().map(|v| f32::from(u8::from(*v))).collect());
     map.add("weight_sr", "sr", texels.iter().map(|t| (f64::from(t.cos) * texel_sr) as f32).collect());
-    let veil = view.canopy.through(SKY, &view.powers).map(|shares| CanopyTransmittance::new(shares, sides));
+    let veil = view.canopy.through(SKY, &view.powers).map(|shares| CanopyTransmittance::new(&shares, sides));
     let through = |t: usize| veil.as_ref().map_or(1.0, |veil| veil.at_fine(t % side, t / side));
     if veil.is_some() {
         map.add("through", "share of the light that canopies let through", (0..side * side).map(through).collect());

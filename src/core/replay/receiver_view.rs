@@ -125,7 +125,7 @@ impl ReceiverView {
     /// transmittances, or `None` if no canopy stands before the sky.
     pub(super) fn veil(&self) -> Option<CanopyTransmittance> {
         let shares = self.canopy.through(canopy::SKY, &self.powers);
-        shares.map(|shares| CanopyTransmittance::new(shares, self.sides))
+        shares.map(|shares| CanopyTransmittance::new(&shares, self.sides))
     }
 
     /// Returns the direction in the sky from which the light comes that a mirror shows in direction

@@ -72,33 +72,33 @@ impl DirectThroughCanopy {
         let crosses = |receiver: &usize| tile.canopies[*receiver].through(SKY, &first.powers).is_some();
         let behind: Vec<usize> = (0..tile.canopies.len()).filter(crosses).collect();
         let veil = |receiver: usize, way: &Way| match tile.canopies[receiver].through(SKY, &way.powers) {
-            Some(shares) => CanopyTransmittance::new(shares, self.sides),
+            Some(shares) => CanopyTransmittance::new(&shares, self.sides),
             None => CanopyTransmittance::clear(self.sides),
         };
-        for &receiver in &behind {
-            let mut sums = vec![0.0_f64; out.bins()];
-            for way in &self.ways {
-                way.suns.direct_behind(tile.normals[receiver], &tile.sky[receiver], &veil(receiver, way), &mut sums);
+        let bins = out.bins();
+        let mut coefficients = vec![Vec::new(); self.ways.len()];
+        let mut glows = vec![0.0_f64; behind.len() * bins];
+        for (&receiver, glow) in behind.iter().zip(glows.chunks_mut(bins.max(1))) {
+            let (normal, sky) = (tile.normals[receiver], &tile.sky[receiver]);
+            let mut sums = vec![0.0_f64; bins];
+            for (way, coefficients) in self.ways.iter().zip(&mut coefficients) {
+                let veil = veil(receiver, way);
+                way.suns.direct_behind(normal, sky, &veil, &mut sums);
+                way.circumsolar.direct_behind(normal, sky, &veil, glow);
+                if !way.skies.is_empty() {
+                    coefficients_behind(projection, normal, sky, &veil, coefficients);
+                }
             }
             put(&sums, out.row_mut(SunDirect, receiver));
         }
-        let mut sums = vec![0.0_f32; behind.len() * out.bins()];
-        for way in self.ways.iter().filter(|way| !way.skies.is_empty()) {
-            let mut coefficients = Vec::new();
-            for &receiver in &behind {
-                let (normal, sky) = (tile.normals[receiver], &tile.sky[receiver]);
-                coefficients_behind(projection, normal, sky, &veil(receiver, way), &mut coefficients);
-            }
-            way.skies.irradiance(&coefficients, |i, bin, v| sums[i * out.bins() + bin] += v);
+        let mut sums = vec![0.0_f32; behind.len() * bins];
+        for (way, coefficients) in self.ways.iter().zip(&coefficients).filter(|(way, _)| !way.skies.is_empty()) {
+            way.skies.irradiance(coefficients, |i, bin, v| sums[i * bins + bin] += v);
         }
-        for (&receiver, sums) in behind.iter().zip(sums.chunks(out.bins().max(1))) {
-            let mut glow = vec![0.0_f64; sums.len()];
-            for way in self.ways.iter().filter(|way| !way.circumsolar.is_empty()) {
-                let (normal, sky) = (tile.normals[receiver], &tile.sky[receiver]);
-                way.circumsolar.direct_behind(normal, sky, &veil(receiver, way), &mut glow);
-            }
+        let of_receivers = sums.chunks(bins.max(1)).zip(glows.chunks(bins.max(1)));
+        for (&receiver, (sums, glow)) in behind.iter().zip(of_receivers) {
             let row = out.row_mut(SkyDirect, receiver);
-            row.iter_mut().zip(sums).zip(glow).for_each(|((out, sum), glow)| *out = (sum + glow as f32).max(0.0));
+            row.iter_mut().zip(sums).zip(glow).for_each(|((out, sum), glow)| *out = (sum + *glow as f32).max(0.0));
         }
     }
 }
@@ -122,7 +122,10 @@ pub fn coefficients_behind(
         match sky.texel(column, row) {
             Texel::Closed => None,
             Texel::Open => Some(veil.sum(column, row)),
-            Texel::Mixed(bits) => Some(all.filter(|&i| seen(bits, i)).map(share).sum()),
+            Texel::Mixed(bits) => Some(match veil.even(column, row) {
+                Some(share) => f64::from(share) * f64::from(bits.iter().map(|word| word.count_ones()).sum::<u32>()),
+                None => all.filter(|&i| seen(bits, i)).map(share).sum(),
+            }),
         }
     };
     for texel in 0..base * base {

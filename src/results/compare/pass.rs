@@ -1,6 +1,7 @@
 //! One pass over the receivers before, joined with the stored values of the archives after. In: a
 //! stream before, paths of archives after. Out: files and a summary.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use super::CompareRequest;
@@ -65,16 +66,17 @@ impl CompareRequest {
         };
         let (mut variants, mut opened) = (Vec::new(), Vec::new());
         // Archives after are replayed first: receivers before without a match need no replay then.
-        for (place, name) in self.after.iter().zip(names(&self.after)) {
+        let names = self.names(before.place);
+        for (place, name) in self.after.iter().zip(&names[1..]) {
             let sources = open(place)?;
-            tell(before.archives, before.place, sources.borrowed(), place, stream.resources.observer)?;
-            variants.push(replay.run(name, place, sources.borrowed(), &mut places)?);
+            tell(before.archives, sources.borrowed(), [&names[0], name], stream.resources.observer)?;
+            variants.push(replay.run(name.clone(), place, sources.borrowed(), &mut places)?);
             opened.push(sources);
         }
         let is_matched = places.is_matched;
         let receivers = stream.receivers.some(&is_matched);
         let stream = TileStream { receivers: &receivers, ..stream };
-        let about = self.about(&stream, before, &variants);
+        let about = self.about(&stream, before, &names[1..], &variants);
         let mut pass = Pass {
             receivers: Box::new(receivers.receivers()),
             rows: Box::new((0..).zip(&is_matched).filter_map(|(row, is_matched)| is_matched.then_some(row))),
@@ -86,8 +88,8 @@ impl CompareRequest {
         if has_details {
             // Maps show the scene after the change.
             let scene = opened.first().map(|sources| ReceiverSet::all_of(sources.borrowed().first())).transpose()?;
-            let (called, about) = (self.called(&stream, before), about.clone());
-            let told = RowsAbout { called, about, place: before.place, scene: scene.as_ref() };
+            let called = format!("{} to {} under {}", names[0], names[1..].join(", "), series.called);
+            let told = RowsAbout { called, about: about.clone(), place: before.place, scene: scene.as_ref() };
             write_rows(files, Question::Change, &stream, &told, |details| {
                 stream.feed(&mut PassSink { pass: &mut pass, details: Some(details) })
             })?;
@@ -96,7 +98,7 @@ impl CompareRequest {
         }
         drop(pass);
         let layout = Layout::of_changes(sums_of(series), By::Receiver, &ComponentList::new(asked.main()));
-        let summary = CompareSummary::new(name_of(before.place), &series.called, &layout, asked.main(), &variants);
+        let summary = CompareSummary::new(names[0].clone(), &series.called, &layout, asked.main(), &variants);
         if let Some(path) = &self.unmatched {
             unmatched_table(&variants).write(path, &about)?;
         }
@@ -107,35 +109,25 @@ impl CompareRequest {
     }
 
     /// Returns the provenance of the files.
-    fn about(&self, stream: &TileStream, before: &BeforeSide, variants: &[Variant]) -> Provenance {
+    fn about(&self, stream: &TileStream, before: &BeforeSide, after: &[String], variants: &[Variant]) -> Provenance {
         let of_each = |text: fn(&Variant) -> &str| variants.iter().map(text).collect::<Vec<_>>().join(", ");
-        let names = self.after.iter().map(|place| name_of(place)).collect::<Vec<_>>().join(", ");
         let about = stream.about(before.archives, before.place);
-        about.with("after", names).with("after_root", of_each(|variant| &variant.root))
+        about.with("after", after.join(", ")).with("after_root", of_each(|variant| &variant.root))
     }
 
-    /// Returns a description in words of what pictures show.
-    fn called(&self, stream: &TileStream, before: &BeforeSide) -> String {
-        let after = self.after.iter().map(|place| name_of(place)).collect::<Vec<_>>().join(", ");
-        format!("{} to {after} under {}", name_of(before.place), stream.series.called)
+    /// Returns names that tell the archives apart, that before first: file names, or paths if file
+    /// names are not unique.
+    fn names(&self, before: &Path) -> Vec<String> {
+        let places = || [before].into_iter().chain(self.after.iter().map(PathBuf::as_path));
+        let names: Vec<String> = places().map(name_of).collect();
+        let unique = names.iter().collect::<BTreeSet<_>>().len();
+        if unique == names.len() { names } else { places().map(|place| place.display().to_string()).collect() }
     }
 }
 
 /// Returns the kind of bins of the summary: sums over all of the time, or means under conditions.
 fn sums_of(series: &Series) -> BinKind {
     if series.kind == BinKind::Conditions { BinKind::Conditions } else { BinKind::Sums }
-}
-
-/// Returns names that tell archives apart: file names, or paths if file names are not unique.
-fn names(places: &[PathBuf]) -> Vec<String> {
-    let mut names: Vec<String> = places.iter().map(|place| name_of(place)).collect();
-    let mut sorted = names.clone();
-    sorted.sort();
-    sorted.dedup();
-    if sorted.len() < names.len() {
-        names = places.iter().map(|place| place.display().to_string()).collect();
-    }
-    names
 }
 
 /// Receivers before, in the order of their tiles, and the stored values after.
@@ -205,9 +197,8 @@ const NAMED: usize = 6;
 
 /// Refuses archives of another place than those before. Warns of differences other than the scene
 /// that may change the light.
-fn tell(before: Archives, before_place: &Path, after: Archives, place: &Path, observer: &dyn Observer) -> Result<()> {
+fn tell(before: Archives, after: Archives, names: [&String; 2], observer: &dyn Observer) -> Result<()> {
     check_one_site(before.first(), after.first())?;
-    let names = [before_place, place].map(name_of);
     if before.iter().count() == after.iter().count()
         && before.iter().zip(after.iter()).all(|(a, b)| a.root() == b.root())
     {

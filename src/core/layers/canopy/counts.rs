@@ -110,8 +110,12 @@ impl Counts {
         }
     }
 
-    /// Predicts the codes along the `rays` rays of a square, where this is worth it.
+    /// Predicts the codes along the `rays` rays of a square, where this is worth it. A list without
+    /// crossings is not predicted.
     pub fn predicted(mut self, rays: usize) -> Self {
+        if self.is_empty() {
+            return self;
+        }
         let planes = mask_bytes(rays) + 8 * self.bits() as usize * self.blocks(rays).count();
         let code = square::encode(&self.all(rays)).filter(|code| WORTH * code.len() < planes);
         self.predicted = code.is_some();

@@ -4,7 +4,7 @@
 //! passes along each ray.
 //!
 //! Counts are bit planes of blocks of 64 rays. A block without crossings takes one bit. The count
-//! of a volume is the code of a length; along a receiver's square of sky rays codes are predicted
+//! of a volume is the code of a length. Along a receiver's square of sky rays counts are predicted
 //! from each other. Leaves are kept by cell and by the materials crossed before them, with the
 //! share of the hemisphere whose rays cross them there.
 
@@ -17,7 +17,7 @@ use std::sync::LazyLock;
 use crate::site::cells::CellKey;
 use crate::site::crossing::Crossing;
 use counts::Counts;
-pub use square::mean_code;
+pub use square::{coarse_step, mean_code};
 
 /// Index of the list of rays towards the texels of the sky. A receiver or a cell has two lists of
 /// rays.
@@ -56,15 +56,15 @@ pub fn code_of(length_m: f64) -> u16 {
     if is_high { longer as u16 } else { longer as u16 - 1 }
 }
 
-/// Side above which a receiver's square of sky rays is halved. At this side texels are as wide as
-/// the sun, and a tile under trees fits into a block.
-const WIDE: usize = 256;
+/// Side above which a receiver's square of sky rays is halved. There texels are a fifth of a degree
+/// apart, and edges of crowns cause less error than reflected light does.
+const LARGEST: usize = 1024;
 
 /// Returns the side of a receiver's square of sky rays for the `base` and `fine` sides of its sky
 /// texture. Each texel of the square covers a whole number of fine texels a side.
 pub fn sky_side(base: usize, fine: usize) -> usize {
-    let mut side = (4 * base).min(fine);
-    while side > WIDE && side.is_multiple_of(2) {
+    let mut side = base.max(fine / 2);
+    while side > LARGEST && side.is_multiple_of(2) {
         side /= 2;
     }
     side
@@ -141,12 +141,10 @@ impl Canopy {
         Canopy { rays, materials: of_material.into_iter().map(counted).collect(), leaves }
     }
 
-    /// Predicts the lengths in volumes along the square of a receiver's sky rays from each other,
-    /// so that they take fewer bytes.
-    pub fn with_predicted(mut self, is_volume: impl Fn(u16) -> bool) -> Self {
-        let predicted = |(material, [sky, seen]): (u16, [Counts; 2])| {
-            (material, [if is_volume(material) { sky.predicted(self.rays[SKY]) } else { sky }, seen])
-        };
+    /// Predicts the counts along the square of a receiver's sky rays from each other, where this
+    /// takes fewer bytes.
+    pub fn with_predicted(mut self) -> Self {
+        let predicted = |(material, [sky, seen]): (u16, [Counts; 2])| (material, [sky.predicted(self.rays[SKY]), seen]);
         self.materials = self.materials.into_iter().map(predicted).collect();
         self
     }
@@ -222,7 +220,7 @@ impl Canopy {
     }
 
     /// Reads the bytes of [`Canopy::to_bytes`]. Returns `None` if the bytes are anything else or
-    /// name a material that is no canopy. It allocates at most 64 times the bytes, and one square.
+    /// name a material that is no canopy. It allocates at most 1024 times the bytes, and one square.
     pub fn from_bytes(bytes: &[u8], rays: RayLists, is_canopy: impl Fn(u16) -> bool) -> Option<Self> {
         let RayLists { lists: rays, square } = rays;
         if bytes.is_empty() {
@@ -385,7 +383,8 @@ mod tests {
     }
 
     /// Lengths in a volume along a receiver's square of 32 x 32 rays are predicted, and counts of a
-    /// screen there are not. Both come back, and so do the crossings along the other rays. A cell
+    /// screen that differ from ray to ray are not. Both come back, and so do the crossings along the
+    /// other rays. A cell
     /// has no predicted row, and neither has an odd square or one of few lengths. Rows with a
     /// changed byte are refused or written as they were read, 2,000 cases.
     #[test]
@@ -398,7 +397,7 @@ mod tests {
         let canopy = |side: u32, most: u32, square: bool| {
             let lists = [&crossed(side * side, most)[..], &crossed(9, 9)];
             let plain = Canopy::new(lists, [(side * side) as usize, 9], Vec::new());
-            if square { plain.with_predicted(|material| material == 1) } else { plain }
+            if square { plain.with_predicted() } else { plain }
         };
         let read = |bytes: &[u8], rays: RayLists| Canopy::from_bytes(bytes, rays, |material| material < 3);
         let (plain, predicted) = (canopy(32, 20, false), canopy(32, 20, true));
@@ -411,7 +410,7 @@ mod tests {
         assert_eq!(read(&bytes, RayLists::of_receiver(30, 9)), None);
         assert!(canopy(31, 20, true) == canopy(31, 20, false));
         let few = Canopy::new([&[Crossing { ray: 40, material: 1, count: 9 }], &[]], [1024, 9], Vec::new());
-        assert!(few.clone().with_predicted(|_| true) == few);
+        assert!(few.clone().with_predicted() == few);
         let mut other = 0;
         for case in 0..2_000 {
             let mut bad = bytes.clone();

@@ -1,47 +1,58 @@
-//! Coding of the lengths in a volume of leaves along the square of a receiver's sky rays. In: codes
-//! of lengths by ray. Out: bytes, and back.
+//! Coding of what rays cross along the square of a receiver's sky rays: crossings of screens, or
+//! codes of lengths in volumes of leaves. In: codes by ray. Out: bytes, and back.
 //!
-//! Each code is predicted from codes that are known before it. At even columns and rows these are
-//! the neighbours to the left and in the row before. In between they are the two or four even
-//! texels around; builders cast no ray there and store the prediction where these differ little.
-//! What is left is coded by rANS in contexts: by how much the neighbours differ, and by how many
-//! are 0.
+//! Each code is predicted from codes that are known before it. On a coarse grid these are the
+//! neighbours to the left and in the row before. Then the grid is halved until it is the square.
+//! Each time, a texel between known ones is predicted by the two or four around it; builders cast
+//! no ray there and store the prediction where these differ little. What is left is coded by rANS
+//! in contexts: by how much the neighbours differ, and by how many are 0.
 
-use super::{COUNTS, WIDE};
+use super::{COUNTS, LARGEST};
 use crate::layers::rans::{self, Encoder, Histogram, Reader, STATES, SymbolTables};
 
-/// Number of even texels a side of a patch. Only patches with a code above 0 are coded.
+/// Most texels of the coarse grid a side; texels are then 1.4 degrees apart or less.
+const COARSE: usize = 128;
+
+/// Number of texels of the coarse grid a side of a patch. Only patches with a code above 0 are
+/// coded.
 const PATCH: usize = 8;
 
-/// Fewest bytes for each coded patch of 256 texels. So a reader allocates at most 64 bytes for each
-/// byte that it reads.
+/// Fewest bytes for each coded patch. A patch of a square of 1024 texels a side has 4096 texels, so
+/// a reader allocates at most 1024 bytes for each byte that it reads.
 pub const MIN_OF_PATCH: usize = 8;
 
-/// Differences of neighbours at which the next context begins: for even texels, for what lies
-/// between them, and for texels between them that are not as predicted.
-const OF_EVEN: [u32; 3] = [4, 12, 40];
+/// Differences of neighbours at which the next context begins: for texels of the coarse grid, for
+/// what lies between known texels, and for texels between them that are not as predicted.
+const OF_COARSE: [u32; 3] = [4, 12, 40];
 const OF_BETWEEN: [u32; 4] = [10, 18, 32, 64];
 const OF_OTHERS: [u32; 3] = [8, 24, 80];
 
-/// First contexts of even texels, of what lies between them, and of texels between them that are
-/// not as predicted. Each begins with two contexts: all neighbours are 0, and some are.
-const EVEN: usize = 0;
-const BETWEEN: usize = EVEN + 3 + OF_EVEN.len();
+/// First contexts of texels of the coarse grid, of what lies between known texels, and of texels
+/// between them that are not as predicted. Each begins with two contexts: all neighbours are 0, and
+/// some are.
+const ON_COARSE: usize = 0;
+const BETWEEN: usize = ON_COARSE + 3 + OF_COARSE.len();
 const OTHERS: usize = BETWEEN + 3 + OF_BETWEEN.len();
 const CONTEXTS: usize = OTHERS + 3 + OF_OTHERS.len();
 
-/// Returns the side of a square of `rays` rays whose codes can be predicted: it is even and at most
-/// 256.
-pub fn side_of(rays: usize) -> Option<usize> {
-    let side = rays.isqrt();
-    (side * side == rays && (1..=WIDE).contains(&side) && side.is_multiple_of(2)).then_some(side)
+/// Returns the number of texels of a square between two texels of its coarse grid: the smallest
+/// power of two above 1 at which the grid has at most 128 texels a side. The side of a square that
+/// is coded is a multiple of it.
+pub fn coarse_step(side: usize) -> usize {
+    side.div_ceil(COARSE).next_power_of_two().max(2)
 }
 
-/// Returns the bytes of a square of codes, below [`COUNTS`], row-major; `None` if the side is odd
-/// or the bytes would be fewer than the coded patches need.
+/// Returns the side of a square of `rays` rays whose codes can be predicted.
+pub fn side_of(rays: usize) -> Option<usize> {
+    let side = rays.isqrt();
+    (side * side == rays && (1..=LARGEST).contains(&side) && side.is_multiple_of(coarse_step(side))).then_some(side)
+}
+
+/// Returns the bytes of a square of codes, below [`COUNTS`], row-major; `None` if the codes cannot
+/// be predicted or the bytes would be fewer than the coded patches need.
 pub fn encode(codes: &[u16]) -> Option<Vec<u8>> {
     let mut square = Square::new(codes.to_vec(), side_of(codes.len())?);
-    let patches = Patches::of(codes, square.half);
+    let patches = Patches::of(codes, square.side);
     let mut coder = EncodedValues(Encoder::new(CONTEXTS));
     square.visit(&patches, &mut coder)?;
     let bytes = [patches.to_bytes(), coder.0.finish()].concat();
@@ -52,8 +63,8 @@ pub fn encode(codes: &[u16]) -> Option<Vec<u8>> {
 /// anything else.
 pub fn decode(bytes: &[u8], rays: usize) -> Option<Vec<u16>> {
     let side = side_of(rays)?;
-    let (mask, stream) = bytes.split_at_checked(Patches::bytes(side / 2))?;
-    let patches = Patches::from_bytes(mask, side / 2)?;
+    let (mask, stream) = bytes.split_at_checked(Patches::bytes(side))?;
+    let patches = Patches::from_bytes(mask, side)?;
     if bytes.len() < MIN_OF_PATCH * patches.count() {
         return None;
     }
@@ -64,7 +75,7 @@ pub fn decode(bytes: &[u8], rays: usize) -> Option<Vec<u16>> {
     // Equal codes have equal bytes: patches have codes above 0, and frequencies are those of the
     // values.
     let whole = coder.reader.is_done() && stream.starts_with(&coder.seen.to_bytes());
-    (whole && Patches::of(&square.codes, square.half) == patches).then_some(square.codes)
+    (whole && Patches::of(&square.codes, side) == patches).then_some(square.codes)
 }
 
 /// Patches of a square that are coded.
@@ -72,27 +83,29 @@ pub fn decode(bytes: &[u8], rays: usize) -> Option<Vec<u16>> {
 struct Patches {
     /// Number of patches a side.
     side: usize,
-    /// Number of even texels a side of the square.
-    half: usize,
+    /// Number of texels a side of the coarse grid.
+    coarse: usize,
     /// `[patch]`, row-major: true if some code is above 0.
     coded: Vec<bool>,
 }
 
 impl Patches {
-    fn of(codes: &[u16], half: usize) -> Self {
-        let side = half.div_ceil(PATCH);
+    /// Returns the patches with a code above 0.
+    fn of(codes: &[u16], square: usize) -> Self {
+        let (coarse, wide) = (square / coarse_step(square), PATCH * coarse_step(square));
+        let side = coarse.div_ceil(PATCH);
         let mut coded = vec![false; side * side];
-        for (row, line) in codes.chunks_exact(2 * half).enumerate() {
-            for (patch, texels) in line.chunks(2 * PATCH).enumerate() {
-                coded[row / (2 * PATCH) * side + patch] |= texels.iter().fold(0, |any, code| any | code) > 0;
+        for (row, line) in codes.chunks_exact(square).enumerate() {
+            for (patch, texels) in line.chunks(wide).enumerate() {
+                coded[row / wide * side + patch] |= texels.iter().fold(0, |any, code| any | code) > 0;
             }
         }
-        Patches { side, half, coded }
+        Patches { side, coarse, coded }
     }
 
     /// Returns the number of bytes of the patches of a square.
-    fn bytes(half: usize) -> usize {
-        half.div_ceil(PATCH).pow(2).div_ceil(8)
+    fn bytes(square: usize) -> usize {
+        (square / coarse_step(square)).div_ceil(PATCH).pow(2).div_ceil(8)
     }
 
     fn to_bytes(&self) -> Vec<u8> {
@@ -100,10 +113,11 @@ impl Patches {
         self.coded.chunks(8).map(byte).collect()
     }
 
-    fn from_bytes(bytes: &[u8], half: usize) -> Option<Self> {
-        let side = half.div_ceil(PATCH);
+    fn from_bytes(bytes: &[u8], square: usize) -> Option<Self> {
+        let coarse = square / coarse_step(square);
+        let side = coarse.div_ceil(PATCH);
         let coded = (0..side * side).map(|patch| bytes[patch / 8] >> (patch % 8) & 1 == 1).collect();
-        let patches = Patches { side, half, coded };
+        let patches = Patches { side, coarse, coded };
         (patches.to_bytes() == bytes).then_some(patches)
     }
 
@@ -111,11 +125,13 @@ impl Patches {
         self.coded.iter().filter(|coded| **coded).count()
     }
 
-    /// Returns the columns of the coded even texels of a row.
-    fn columns(&self, row: usize) -> impl Iterator<Item = usize> + '_ {
-        let of_row = &self.coded[row / PATCH * self.side..][..self.side];
+    /// Returns the columns of the known texels of a row that lie in coded patches, on a grid with
+    /// `fine` texels a side for each of the coarse grid.
+    fn columns(&self, row: usize, fine: usize) -> impl Iterator<Item = usize> + '_ {
+        let (wide, grid) = (PATCH * fine, self.coarse * fine);
+        let of_row = &self.coded[row / wide * self.side..][..self.side];
         let coded = of_row.iter().enumerate().filter(|(_, coded)| **coded);
-        coded.flat_map(|(patch, _)| PATCH * patch..(PATCH * (patch + 1)).min(self.half))
+        coded.flat_map(move |(patch, _)| wide * patch..(wide * (patch + 1)).min(grid))
     }
 }
 
@@ -151,78 +167,101 @@ impl Values for DecodedValues<'_> {
 
 /// Codes of a square while it is coded.
 struct Square {
-    /// Number of even texels a side.
-    half: usize,
-    /// `[row + 1][column + 1]`: even texels with a border of 0.
-    even: Vec<u16>,
+    /// Number of texels a side.
+    side: usize,
+    /// Number of texels from a known texel to the next.
+    step: usize,
+    /// `[row + 1][column + 1]`: known texels with a border of 0.
+    known: Vec<u16>,
     /// `[row][column]`: all texels.
     codes: Vec<u16>,
 }
 
 impl Square {
+    /// Takes a square whose coarse grid is to be coded first.
     fn new(codes: Vec<u16>, side: usize) -> Self {
-        let half = side / 2;
-        let mut even = vec![0; (half + 1) * (half + 2)];
-        for (row, line) in even.chunks_exact_mut(half + 2).skip(1).enumerate() {
-            for (column, code) in line[1..=half].iter_mut().enumerate() {
-                *code = codes[2 * row * side + 2 * column];
-            }
+        let mut square = Square { side, step: coarse_step(side), known: Vec::new(), codes };
+        square.know();
+        square
+    }
+
+    /// Returns the number of known texels a side.
+    fn grid(&self) -> usize {
+        self.side / self.step
+    }
+
+    /// Takes the texels of the current step for known.
+    fn know(&mut self) {
+        let grid = self.grid();
+        self.known.clear();
+        self.known.resize((grid + 1) * (grid + 2), 0);
+        for (row, line) in self.known.chunks_exact_mut(grid + 2).skip(1).enumerate() {
+            let of_row = self.codes[row * self.step * self.side..].iter().step_by(self.step);
+            line[1..=grid].iter_mut().zip(of_row).for_each(|(known, code)| *known = *code);
         }
-        Square { half, even, codes }
     }
 
     /// Puts all codes into an encoder, or takes them from a decoder. Returns `None` if a value is
     /// no code.
     #[inline(always)]
     fn visit(&mut self, patches: &Patches, coder: &mut impl Values) -> Option<()> {
-        for row in 0..self.half {
-            for column in patches.columns(row) {
-                self.visit_even(row, column, coder)?;
+        for row in 0..self.grid() {
+            for column in patches.columns(row, 1) {
+                self.visit_coarse(row, column, coder)?;
             }
         }
-        for row in 0..self.half {
-            for column in patches.columns(row) {
-                self.visit_between(row, column, coder)?;
+        loop {
+            let (grid, fine) = (self.grid(), self.grid() / patches.coarse);
+            for row in 0..grid {
+                for column in patches.columns(row, fine) {
+                    self.visit_between(row, column, coder)?;
+                }
             }
+            self.step /= 2;
+            if self.step == 1 {
+                return Some(());
+            }
+            self.know();
         }
-        Some(())
     }
 
-    /// Codes an even texel: 0 as 0, others by their distance from the prediction. The prediction is
-    /// the median edge detector of LOCO-I (Weinberger, Seroussi and Sapiro 2000, equation 1).
+    /// Codes a texel of the coarse grid: 0 as 0, others by their distance from the prediction. The
+    /// prediction is the median edge detector of LOCO-I (Weinberger, Seroussi and Sapiro 2000,
+    /// equation 1).
     #[inline(always)]
-    fn visit_even(&mut self, row: usize, column: usize, coder: &mut impl Values) -> Option<()> {
-        let wide = self.half + 2;
+    fn visit_coarse(&mut self, row: usize, column: usize, coder: &mut impl Values) -> Option<()> {
+        let wide = self.grid() + 2;
         let at = (row + 1) * wide + column + 1;
         let [west, north_west, north, north_east] =
-            [at - 1, at - wide - 1, at - wide, at - wide + 1].map(|at| u32::from(self.even[at]));
+            [at - 1, at - wide - 1, at - wide, at - wide + 1].map(|at| u32::from(self.known[at]));
         let (low, high) = (west.min(north), west.max(north));
         let predicted = (west + north).saturating_sub(north_west).clamp(low, high).max(1);
         let apart = west.abs_diff(north_west) + north.abs_diff(north_west) + north_east.abs_diff(north);
-        let context = EVEN + kind_of([west, north_west, north, north_east], || apart, &OF_EVEN);
-        let own = u32::from(self.even[at]);
+        let context = ON_COARSE + kind_of([west, north_west, north, north_east], || apart, &OF_COARSE);
+        let own = u32::from(self.known[at]);
         let known = if own == 0 { 0 } else { 1 + fold(own, predicted) };
         let code = match coder.value(context, column % STATES, known) {
             0 => 0,
             folded => unfold(folded - 1, predicted)?,
         };
-        self.even[at] = code;
-        self.codes[2 * (row * 2 * self.half + column)] = code;
+        self.known[at] = code;
+        self.codes[self.step * (row * self.side + column)] = code;
         Some(())
     }
 
-    /// Codes the three texels to the right of an even one, below it, and below that on the right:
-    /// first which of them are not as predicted, then these. Even texels beyond the border count as
-    /// those at it.
+    /// Codes the three texels halfway to the known ones to the right, below, and below on the
+    /// right: first which of them are not as predicted, then these. Known texels beyond the border
+    /// count as those at it.
     #[inline(always)]
     fn visit_between(&mut self, row: usize, column: usize, coder: &mut impl Values) -> Option<()> {
-        let wide = self.half + 2;
-        let right = (column + 1).min(self.half - 1);
-        let below = (row + 1).min(self.half - 1);
+        let (grid, half) = (self.grid(), self.step / 2);
+        let wide = grid + 2;
+        let right = (column + 1).min(grid - 1);
+        let below = (row + 1).min(grid - 1);
         let [a, b, c, d] = [(row, column), (row, right), (below, column), (below, right)]
-            .map(|(row, column)| u32::from(self.even[(row + 1) * wide + column + 1]));
-        let first = 2 * (row * 2 * self.half + column);
-        let places = [first + 1, first + 2 * self.half, first + 2 * self.half + 1];
+            .map(|(row, column)| u32::from(self.known[(row + 1) * wide + column + 1]));
+        let first = self.step * (row * self.side + column);
+        let places = [first + half, first + half * self.side, first + half * (self.side + 1)];
         let predicted = [mean([a, b]), mean([a, c]), mean([a, b, c, d])];
         let differ = (0..3).filter(|&i| u32::from(self.codes[places[i]]) != predicted[i]);
         let known = differ.fold(0, |others, i| others | 1 << i);
@@ -376,12 +415,12 @@ mod tests {
         assert_eq!([[3, 0, 0, 0], [3, 4, 0, 0], [3, 4, 4, 0], [1, 2, 2, 1]].map(mean), [3, 4, 4, 2]);
     }
 
-    /// Squares of 2, 30, 150 and 256 texels a side come back; the largest takes less than a quarter
-    /// of ten bits a texel. Squares of odd sides, larger ones and rays that are no square are not
-    /// predicted, and neither is a square of equal codes, which would take too few bytes.
+    /// Squares of 2, 30, 148, 256 and 512 texels a side come back; the largest two take less than a
+    /// quarter of ten bits a texel. Squares of odd sides, larger ones and rays that are no square are
+    /// not predicted, and neither is a square of equal codes, which would take too few bytes.
     #[test]
     fn squares_come_back_in_few_bytes() {
-        for side in [2, 30, 150, 256] {
+        for side in [2, 30, 148, 256, 512] {
             let codes = crowns(side);
             let bytes = encode(&codes).expect("a code");
             assert!(decode(&bytes, side * side).as_ref() == Some(&codes), "{side}");

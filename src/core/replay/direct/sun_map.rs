@@ -146,12 +146,21 @@ impl SunMap {
     /// `out[result]`.
     pub fn direct_behind(&self, normal: DVec3, sky: &SkyBitmap, veil: &CanopyTransmittance, out: &mut [f64]) {
         let normal = normal.as_vec3();
-        for lit in &self.texels {
-            let (column, row) = self.place(lit);
-            let through = |(i, v): (usize, Vec3)| normal.dot(v).max(0.0) * veil.at(column, row, i);
-            let sum: f32 = self.seen(lit, sky.texel(column, row)).map(through).sum();
-            out[lit.bin as usize] += f64::from(sum);
-        }
+        Arch::new().dispatch(|| {
+            for lit in &self.texels {
+                let (column, row) = self.place(lit);
+                let (texel, strips) = (sky.texel(column, row), self.strips_of(lit));
+                let sum = match (texel, veil.even(column, row)) {
+                    (Texel::Closed, _) => continue,
+                    (_, Some(share)) => share * seen_before(strips, normal, texel),
+                    (_, None) => {
+                        let through = |(i, v): (usize, Vec3)| normal.dot(v).max(0.0) * veil.at(column, row, i);
+                        self.seen(lit, texel).map(through).sum()
+                    }
+                };
+                out[lit.bin as usize] += f64::from(sum);
+            }
+        });
     }
 
     /// Adds the irradiance that a receiver with this normal gets by one chain of mirrors to

@@ -233,7 +233,11 @@ impl SunSamples {
         let (column, row) = (part.column as usize, part.row as usize);
         let fine = self.fine[part.fine.clone()].iter();
         let through = |&(i, share): &(u32, f32)| share * veil.at(column, row, i as usize);
-        match sky.texel(column, row) {
+        let texel = sky.texel(column, row);
+        if let Some(even) = veil.even(column, row) {
+            return even * self.share(part, texel);
+        }
+        match texel {
             Texel::Closed => 0.0,
             Texel::Open => fine.map(through).sum(),
             Texel::Mixed(bits) => fine.filter(|(i, _)| bits[*i as usize / 64] >> (i % 64) & 1 == 1).map(through).sum(),

@@ -61,7 +61,7 @@ impl InteractiveTile {
         for (normal, sky) in normals.into_iter().zip(&sky) {
             // Layers that a tile does not have are empty.
             let (mirrors, canopy) = (mirrors.next().unwrap_or_default(), canopies.next().unwrap_or_default());
-            let veil = canopy.through(SKY, powers).map(|shares| CanopyTransmittance::new(shares, sides));
+            let veil = canopy.through(SKY, powers).map(|shares| CanopyTransmittance::new(&shares, sides));
             coefficients.clear();
             match &veil {
                 None => sky_coefficients(&grids.sky, normal, sky, &mut coefficients),
