@@ -122,7 +122,7 @@ mod tests {
         let of = |settings: &Settings| SiteSettings::new(settings, Path::new("a.helio"));
         let taken = of(&good).expect("settings");
         assert_eq!((taken.sky_fine, taken.closed_level, taken.diffuse), (1024, level_of(8.0), true));
-        assert_eq!(taken.receiver_rays(), RayLists::of_receiver(256, 1024));
+        assert_eq!(taken.receiver_rays(), RayLists::of_receiver(512, 1024));
         let lies = [
             ("sky_base 0", Settings { sky_base: 0, ..good.clone() }),
             ("sky_base 1025", Settings { sky_base: 1025, ..good.clone() }),

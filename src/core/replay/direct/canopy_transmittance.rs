@@ -147,12 +147,12 @@ impl CanopyTransmittance {
 mod tests {
     use super::*;
 
-    /// For 5 pairs of sides, with squares of 32, 4, 512, 33 and 300 texels a side, shares that rise
+    /// For 5 pairs of sides, with squares of 32, 4, 1024, 33 and 300 texels a side, shares that rise
     /// evenly are interpolated to the share at the middle of each fine texel (1e-5), inside of the
     /// square, and the sum over a base texel is that of its texels of the square (1e-9).
     #[test]
     fn shares_are_interpolated() {
-        for (base, fine, side) in [(8, 64, 32), (4, 4, 4), (512, 2048, 512), (33, 66, 33), (300, 600, 300)] {
+        for (base, fine, side) in [(8, 64, 32), (4, 4, 4), (512, 2048, 1024), (33, 66, 33), (300, 600, 300)] {
             let sides = TextureSides { sky_base: base, sky_fine: fine, response: 1 };
             assert_eq!(sky_side(base, fine), side);
             let rise = |x: f64, y: f64| (0.1 + 0.3 * x + 0.5 * y) as f32;
