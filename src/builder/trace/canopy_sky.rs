@@ -81,7 +81,7 @@ impl Canopies<'_> {
     }
 }
 
-/// What rays through the texels of a square cross, while they are cast.
+/// Crossings of the rays through the texels of a square, while they are cast.
 struct SquareOfRays {
     /// Number of texels a side.
     side: usize,

@@ -220,7 +220,8 @@ impl Canopy {
     }
 
     /// Reads the bytes of [`Canopy::to_bytes`]. Returns `None` if the bytes are anything else or
-    /// name a material that is no canopy. It allocates at most 1024 times the bytes, and one square.
+    /// name a material that is no canopy. It allocates at most 1024 times the bytes, and one
+    /// square.
     pub fn from_bytes(bytes: &[u8], rays: RayLists, is_canopy: impl Fn(u16) -> bool) -> Option<Self> {
         let RayLists { lists: rays, square } = rays;
         if bytes.is_empty() {
@@ -383,10 +384,9 @@ mod tests {
     }
 
     /// Lengths in a volume along a receiver's square of 32 x 32 rays are predicted, and counts of a
-    /// screen that differ from ray to ray are not. Both come back, and so do the crossings along the
-    /// other rays. A cell
-    /// has no predicted row, and neither has an odd square or one of few lengths. Rows with a
-    /// changed byte are refused or written as they were read, 2,000 cases.
+    /// screen that differ from ray to ray are not. Both come back, and so do the crossings along
+    /// the other rays. A cell has no predicted row, and neither has an odd square or one of few
+    /// lengths. Rows with a changed byte are refused or written as they were read, 2,000 cases.
     #[test]
     fn lengths_along_a_square_are_predicted() {
         let crossed = |rays: u32, most: u32| -> Vec<Crossing> {

@@ -416,8 +416,8 @@ mod tests {
     }
 
     /// Squares of 2, 30, 148, 256 and 512 texels a side come back; the largest two take less than a
-    /// quarter of ten bits a texel. Squares of odd sides, larger ones and rays that are no square are
-    /// not predicted, and neither is a square of equal codes, which would take too few bytes.
+    /// quarter of ten bits a texel. Squares of odd sides, larger ones and rays that are no square
+    /// are not predicted, and neither is a square of equal codes, which would take too few bytes.
     #[test]
     fn squares_come_back_in_few_bytes() {
         for side in [2, 30, 148, 256, 512] {

@@ -13,7 +13,8 @@ pub struct CanopyTransmittance {
     block: usize,
     /// Number of texels of the square a side of a tile.
     of_tile: usize,
-    /// Tiles of the square, row-major. Each is a base texel, or a texel of a square that is coarser.
+    /// Tiles of the square, row-major. Each is a base texel, or a texel of a square that is
+    /// coarser.
     tiles: Vec<Tile>,
     /// `[mixed tile][texel]`, row-major: shares.
     shares: Vec<f32>,
@@ -147,9 +148,9 @@ impl CanopyTransmittance {
 mod tests {
     use super::*;
 
-    /// For 5 pairs of sides, with squares of 32, 4, 1024, 33 and 300 texels a side, shares that rise
-    /// evenly are interpolated to the share at the middle of each fine texel (1e-5), inside of the
-    /// square, and the sum over a base texel is that of its texels of the square (1e-9).
+    /// For 5 pairs of sides, with squares of 32, 4, 1024, 33 and 300 texels a side, shares that
+    /// rise evenly are interpolated to the share at the middle of each fine texel (1e-5), inside of
+    /// the square, and the sum over a base texel is that of its texels of the square (1e-9).
     #[test]
     fn shares_are_interpolated() {
         for (base, fine, side) in [(8, 64, 32), (4, 4, 4), (512, 2048, 1024), (33, 66, 33), (300, 600, 300)] {
